@@ -37,8 +37,6 @@ const char* name_of(StepStatus status) {
       return "not_supported";
     case StepStatus::carried_away:
       return "carried_away";
-    case StepStatus::needle_full:
-      return "needle_full";
   }
   return "unknown";
 }

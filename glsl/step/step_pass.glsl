@@ -2,8 +2,9 @@
 //
 // Per particle, Verlet's step. Gathers the net force itself, or with NET_APART takes what reaction_pass.glsl wrote.
 // Needs net_force.glsl, free_step.glsl, measure_step.glsl and, where TOOLS is defined, touch_tools.glsl. Where PUSHED is
-// defined it ends what free_kernel.glsl or free_pass.glsl began, tools included, and needs pushed_tables.glsl. Where
-// KEPT_VOLUMES is defined it leaves what kept_step_pass.glsl ends: displacement, 1 where a force was cut; velocity; acceleration.
+// defined it ends what free_pass.glsl began, tools included, and needs pushed_tables.glsl; with HOST_STEP the host has
+// pushed, and it needs host_pushes.glsl. Where KEPT_VOLUMES is defined it leaves what kept_step_pass.glsl ends:
+// displacement, 1 where a force was cut; velocity; acceleration.
 
 #ifdef NET_APART
 STORED(net, net_place);
@@ -15,6 +16,10 @@ void step_row(int i) {
   vec4 inertia = fetch_vec4(particle, particle_place, i);
 #ifdef PUSHED
   vec4 F = fetch_load_vec4(pushed_force, pushed_force_place, i);
+#ifdef HOST_STEP
+  int push = push_row(i);
+  if (push >= 0) F = vec4(F.xyz + fetch_load_vec4(push_forces, push_forces_place, push).xyz, F.w);
+#endif
 #elif defined(NET_APART)
   vec4 F = fetch_changing(net, net_place, i);
 #else
@@ -24,7 +29,9 @@ void step_row(int i) {
   vec3 u = old_displacement.xyz;
   vec3 v = old_velocity.xyz;
   free_step(i, a, u, v);
-#ifdef PUSHED
+#ifdef HOST_STEP
+  if (push >= 0) u = u + fetch_load_vec4(push_shifts, push_shifts_place, push).xyz;
+#elif defined(PUSHED)
   u = u + fetch_load_vec4(pushed_shift, pushed_shift_place, i).xyz;
 #endif
   int fixed_at = fixed_axes(i);

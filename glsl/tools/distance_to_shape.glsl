@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Twin of src/interaction/distance_to_shape.h. Needs kernel_language.glsl, and tool_tables.glsl where TOOL_GRIDS is defined.
-// SHAPE_SPHERE ... SHAPE_NEEDLE: ShapeKind of src/interaction.
+// SHAPE_SPHERE ... SHAPE_GRID: ShapeKind of src/interaction.
 
 struct ShapeIn {
   int kind;

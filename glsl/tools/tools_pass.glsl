@@ -2,17 +2,13 @@
 //
 // What the particles do to the tools in a step, a row for each tool and particle, added up over the steps of a batch:
 // what step_pass.glsl has in hand when tools have touched a particle, and has no place to tell. Drawn only, after
-// reaction_pass.glsl; needs free_step.glsl and touch_tools.glsl. Where GIVEN is defined the tools have acted in passes of
-// their own, which told the impulses.
+// reaction_pass.glsl; needs free_step.glsl and touch_tools.glsl.
 
 STORED(net, net_place);
 STORED(tool_forces, tool_forces_place);    // the sums so far
 STORED(tool_torques, tool_torques_place);
 OF_STEP(int, batch_step);  // counts from 1
 uniform int particle_rows;
-#ifdef GIVEN
-STORED_LAYERS(given_by_tools, given_by_tools_place);  // a layer for each tool: N s; 1 where it touched
-#endif
 
 RESULT(0, vec4, force_sum);
 RESULT(1, vec4, torque_sum);
@@ -32,16 +28,7 @@ void tool_row(int row) {
   TouchedParticle touched = untouched(i, u, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
   Reaction reaction = no_reaction;
-#ifdef GIVEN
-  if (int(held.w) == told) reaction = touch_tool(told, held, instant, touched, dt, inverse_dt);
-  for (int tool = 0; tool <= told && held.w < 0.0; ++tool) {
-    vec4 given = fetch_load_layer(given_by_tools, given_by_tools_place, i, tool);
-    vec3 force = inverse_dt * given.xyz + borne(touched, given.xyz);
-    if (tool == told && given.w > 0.0) reaction = react(tool_frame(told, instant + 1), touched, force);
-  }
-#else
   for (int tool = 0; tool <= told; ++tool) reaction = touch_tool(tool, held, instant, touched, dt, inverse_dt);
-#endif
   last_force = vec4(reaction.force, reaction.touches ? 1.0 : 0.0);
   last_torque = vec4(reaction.torque, 0.0);
   force_sum = last_force;

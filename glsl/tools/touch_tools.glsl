@@ -135,11 +135,6 @@ ContactLaw tool_contact(int tool, int at) {
   return ContactLaw(law.z, law.w, tool_frame_row(tool, at, 3).w > 0.0);
 }
 
-// Which touches nothing here: needle_force_kernel.glsl.
-bool is_needle(int tool) {
-  return int(tool_law(tool, 0).w) == SHAPE_NEEDLE;
-}
-
 // Axes on which nothing pushes particle i.
 int unmoved_axes(int fixed_at) {
 #if DIMENSION == 2

@@ -24,8 +24,6 @@ enum class StepStatus {
   carried_away,
   not_supported,  ///< the backend does not support something in the scene (tools, joints, volume constraints,
                   ///< contacts, factors of stiffness), dissipation, or substeps: see cause; nothing was done
-  /// A needle's hole needs more nodes, or a node more particles, than the GPU has reserved. The step was undone.
-  needle_full
 };
 
 struct StepReport {

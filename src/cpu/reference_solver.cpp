@@ -16,6 +16,7 @@
 #include "interaction/tool_set.h"
 #include "interaction/touching.h"
 #include "solver/profile.h"
+#include "solver/step_order.h"
 
 namespace phymul::cpu {
 namespace {
@@ -43,6 +44,7 @@ class ReferenceSolver final : public SolverBackend {
   }
 
  private:
+  friend StepOrder;
   void do_reset(const State& state) override {
     state_.time = state.time;
     state_.position = state.position;
@@ -99,56 +101,94 @@ class ReferenceSolver final : public SolverBackend {
   }
 
   Motion do_step(const StepPlan& plan) override {
-    Motion motion;
-    motion.steps_at_rest = steps_at_rest_;
     if (!tools_.empty()) tools_.begin_call(scene(), plan.steps, plan.stop_at_rest);
-    Laps laps(profiling());
-    while (motion.steps < plan.steps) {
-      elastic_forces(elastic(), state_.position, force_);
-      if (!dissipation_.empty()) dissipation_.add_forces(elastic(), state_.position, plan.dt, last_dt_, force_);
-      if (!joints().empty()) pull_joints(plan.dt);
-      if (local_) add_substeps(plan.dt);
-      laps.end(forces_row_);
-      const bool any_cut = cut_forces(plan.largest_acceleration);
-      for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
-      if (solves())
-        solve_joints(
-            plan, [this](Index i) { return acceleration(i, force_[i], frame()); }, false);
-      if (touches()) motion.lost_volume = touch(plan);
-      if (motion.lost_volume >= 0) break;
-      measure(motion);
-      laps.end(checks_row_, 0);
-      move(plan);
-      laps.end(move_row_);
-
-      motion.bad_particle = first_runaway(plan.runaway_speed);
-      if (motion.bad_particle >= 0) {
-        scene().evaluate(state_.time, frame());
-        break;
-      }
-      std::swap(state_.position, next_position_);
-      std::swap(state_.velocity, next_velocity_);
-      state_.time += plan.dt;
-      if (!tools_.empty()) tools_.accept();
-      joints().accept();
-      if (!dissipation_.empty()) dissipation_.accept();
-      if (local_) local_->accept();
-      last_dt_ = plan.dt;
-      ++motion.steps;
-      motion.force_clamped = motion.force_clamped || any_cut;
-
-      motion.max_speed = max_free_speed();
-      const bool quiet = motion.max_speed <= plan.speed_at_rest && motion.max_acceleration <= plan.acceleration_at_rest;
-      steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
-      motion.steps_at_rest = steps_at_rest_;
-      laps.end(checks_row_);
-      if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
-    }
+    laps_.emplace(profiling());
+    Motion motion = StepOrder::run(*this, plan);
     motion.strain = strain_summary(elastic(), state_.position);
     for (Index i = 0; i < topology().particle_count; ++i) {
       motion.max_displacement = std::max(motion.max_displacement, (state_.position[i] - topology().rest[i]).norm());
     }
     return motion;
+  }
+
+  // Stages of StepOrder.
+
+  bool has_joints() { return !joints().empty(); }
+  bool has_substeps() const { return local_.has_value(); }
+  bool has_implicit_joints() { return stiff_joints() != nullptr && !stiff_joints()->empty(); }
+  bool touches() const { return !tools_.empty() || !touching_.empty(); }
+
+  void begin(const StepPlan& /*plan*/) {}
+
+  void find_forces(const StepPlan& plan, bool /*last*/) {
+    elastic_forces(elastic(), state_.position, force_);
+    if (!dissipation_.empty()) dissipation_.add_forces(elastic(), state_.position, plan.dt, last_dt_, force_);
+  }
+
+  void limit(const StepPlan& plan) {
+    laps_->end(forces_row_);
+    cuts_ = cut_forces(plan.largest_acceleration);
+    for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
+  }
+
+  void solve_joints(const StepPlan& plan) {
+    solve_joints(
+        plan, [this](Index i) { return acceleration(i, force_[i], frame()); }, false);
+  }
+
+  void predict(const StepPlan& plan) {
+    if (!touches()) return;
+    shifts_.clear();
+    for (std::size_t r = 0; r < local_f_.size(); ++r) local_f_[r] = force_[local_steps()->particle[r]];
+    if (has_implicit_joints()) untouched_ = force_;
+    integrate_all(plan);
+    scene().evaluate(state_.time, frame());
+  }
+
+  /// The row of a volume that cannot be restored; -1: none.
+  int touch(const StepPlan& plan) {
+    Step step(*this);
+    touched_.begin(step, plan.dt, last_dt_);
+    tools_.act(touched_);
+    const int lost = touching_.act(touched_);
+    touched_.end();
+    if (local_) add_pushes();
+    if (has_implicit_joints()) {
+      solve_joints(
+          plan, [this](Index i) -> Vec3 { return (force_[i] - untouched_[i]) / topology().mass[i]; }, true);
+    }
+    return lost;
+  }
+
+  /// The first particle that ran away; -1: none.
+  Index move(const StepPlan& plan, Motion& motion) {
+    measure(motion);
+    laps_->end(checks_row_, 0);
+    integrate_all(plan);
+    laps_->end(move_row_);
+    return first_runaway(plan.runaway_speed);
+  }
+
+  int& steps_at_rest() { return steps_at_rest_; }
+
+  void drop_step() { scene().evaluate(state_.time, frame()); }
+
+  void accept(const StepPlan& plan, Motion& motion) {
+    std::swap(state_.position, next_position_);
+    std::swap(state_.velocity, next_velocity_);
+    state_.time += plan.dt;
+    if (!tools_.empty()) tools_.accept();
+    joints().accept();
+    if (!dissipation_.empty()) dissipation_.accept();
+    if (local_) local_->accept();
+    last_dt_ = plan.dt;
+    motion.force_clamped = motion.force_clamped || cuts_;
+    motion.max_speed = max_free_speed();
+    laps_->end(checks_row_);
+  }
+
+  static RestThresholds rest_now(const StepPlan& plan, const Motion& /*motion*/) {
+    return {plan.speed_at_rest, plan.acceleration_at_rest};
   }
 
   void do_read(State& state) const override {
@@ -214,18 +254,18 @@ class ReferenceSolver final : public SolverBackend {
     ReferenceSolver& solver_;
   };
 
-  void pull_joints(double dt) {
+  void pull_joints(const StepPlan& plan) {
     for (JointSet::Point& point : joints().points()) {
       point.position = state_.position[point.particle];
       point.velocity = state_.velocity[point.particle];
     }
-    tools_.ways(dt, ways_);
-    joints().act(ways_, dt);
+    tools_.ways(plan.dt, ways_);
+    joints().act(ways_, plan.dt);
     tools_.pull(joints().pulls());
   }
 
   /// Joints must have acted.
-  void add_substeps(double dt) {
+  void add_substeps(const StepPlan& plan) {
     const std::vector<Index>& particle = local_steps()->particle;
     for (const JointSet::Point& point : joints().points()) force_[point.particle] += point.force;
     for (std::size_t r = 0; r < particle.size(); ++r) {
@@ -238,11 +278,9 @@ class ReferenceSolver final : public SolverBackend {
     }
     for (const JointSet::Point& point : joints().points()) force_[point.particle] -= point.force;
     const std::span<const Vec3> change =
-        local_->changes(local_x_, local_a_, dt, local_steps()->factor(scene().stiffness_factors()));
+        local_->changes(local_x_, local_a_, plan.dt, local_steps()->factor(scene().stiffness_factors()));
     for (std::size_t r = 0; r < particle.size(); ++r) force_[particle[r]] += change[r];
   }
-
-  bool solves() { return stiff_joints() != nullptr && !stiff_joints()->empty(); }
 
   /// Adds to force_ what the implicit joints change of the accelerations `of`(particle).
   template <class Of>
@@ -264,28 +302,6 @@ class ReferenceSolver final : public SolverBackend {
     for (std::size_t r = 0; r < particle.size(); ++r) pushes[r] = force_[particle[r]] - local_f_[r];
   }
 
-  bool touches() const { return !tools_.empty() || !touching_.empty(); }
-
-  /// The row of a volume that cannot be restored; -1: none.
-  int touch(const StepPlan& plan) {
-    shifts_.clear();
-    for (std::size_t r = 0; r < local_f_.size(); ++r) local_f_[r] = force_[local_steps()->particle[r]];
-    if (solves()) untouched_ = force_;
-    move(plan);
-    scene().evaluate(state_.time, frame());
-    Step step(*this);
-    touched_.begin(step, plan.dt, last_dt_);
-    tools_.act(touched_);
-    const int lost = touching_.act(touched_);
-    touched_.end();
-    if (local_) add_pushes();
-    if (solves()) {
-      solve_joints(
-          plan, [this](Index i) -> Vec3 { return (force_[i] - untouched_[i]) / topology().mass[i]; }, true);
-    }
-    return lost;
-  }
-
   /// Largest net force and acceleration on free coordinates, of the state before this step.
   void measure(Motion& motion) const {
     motion.max_acceleration = motion.max_force = 0.0;
@@ -300,7 +316,7 @@ class ReferenceSolver final : public SolverBackend {
   }
 
   /// Forces act at the old time, imposed positions hold at the new one.
-  void move(const StepPlan& plan) {
+  void integrate_all(const StepPlan& plan) {
     for (Index i = 0; i < topology().particle_count; ++i) {
       const Moved<double> moved = integrate<double>(state_.position[i], state_.velocity[i],
                                                     acceleration(i, force_[i], frame()), plan.dt, plan.damping_factor);
@@ -357,6 +373,8 @@ class ReferenceSolver final : public SolverBackend {
   std::vector<std::pair<Index, Vec3>> shifts_;
   double last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  bool cuts_ = false;                                   // some force in this step
+  std::optional<Laps> laps_;                            // of the call
   int forces_row_ = 0, move_row_ = 0, checks_row_ = 0;  // of profiling()
 };
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "solver/step_order.h"
 #include "table_rows.h"
 
 namespace phymul {
@@ -16,11 +17,6 @@ namespace phymul {
 /// with accelerations of up to a few times omega_max^2 2^-24 |u|: a body's noise at rest was measured at 2 to 3.6 of
 /// these units, in speed times omega_max too. Below `rest_noise` of them the rest test would wait for ever.
 inline constexpr double rest_noise = 8.0 * 0x1p-24;
-
-struct RestThresholds {
-  double speed = 0.0;         ///< m/s
-  double acceleration = 0.0;  ///< m/s^2
-};
 
 /// The thresholds asked for, or the noise where that is more; `largest` is the largest displacement of the body, m, and
 /// `omega_max`, rad/s, is that of the body and what is joined to it.

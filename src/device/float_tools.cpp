@@ -6,11 +6,10 @@
 #include <algorithm>
 
 #include "interaction/shape_kind.h"
-#include "interaction/surface_press.h"
 #include "interaction/tool_shape.h"
-#include "scene/needle_measures.h"
 
 namespace phymul {
+
 void FloatTools::follow(const Scene& scene) {
   std::vector<Moving> now;
   for (const SceneTool& tool : scene.tools()) {
@@ -23,9 +22,8 @@ void FloatTools::follow(const Scene& scene) {
   fill_rest(scene.model().rest);
   fill_held();
   motions_.reserve(tools_.size());
-  placed_.reserve((most_steps_ + 1) * tools_.size());
   frames_.assign((most_steps_ + 1) * tools_.size() * frame_rows, Float4{});
-  begin_batch(1, 0.0, 0.0);
+  begin_batch(1, 0.0);
 }
 
 void FloatTools::fill_laws() {
@@ -72,28 +70,14 @@ void FloatTools::fill_held() {
   }
 }
 
-double FloatTools::needle_radius_of(const Tool& tool) {
-  const auto* const needle = std::get_if<Needle>(&tool.shape);
-  return needle ? needle->radius : 0.0;
-}
-
-int FloatTools::needle_count() const {
-  return static_cast<int>(
-      std::ranges::count_if(tools_, [](const Moving& tool) { return needle_radius_of(tool.tool) > 0.0; }));
-}
-
-int FloatTools::surface_count() const {
-  return static_cast<int>(
-      std::ranges::count(tools_, ToolContact::surface, [](const Moving& tool) { return tool.tool.contact; }));
+void FloatTools::set_moved(std::size_t row, const MovedTool& moved) {
+  tools_[row].moved = moved;
+  fill_held();
 }
 
 void FloatTools::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
-    Moving& tool = tools_[row];
-    const ToolState* const known = tool.moved.reset(scene.tools()[row], state, mass_, !was_reset_);
-    if (needle_radius_of(tool.tool) == 0.0) continue;
-    tool.needle = known ? known->needle : NeedleState{};
-    tool.moved.report.shaft = tool.needle.shaft;
+    tools_[row].moved.reset(scene.tools()[row], state, mass_, !was_reset_);
   }
   was_reset_ = true;
   fill_held();
@@ -101,10 +85,7 @@ void FloatTools::reset(const Scene& scene, const State& state) {
 
 void FloatTools::read(State& state) const {
   state.tools.resize(tools_.size());
-  for (std::size_t row = 0; row < tools_.size(); ++row) {
-    tools_[row].moved.read(state.tools[row]);
-    state.tools[row].needle = tools_[row].needle;
-  }
+  for (std::size_t row = 0; row < tools_.size(); ++row) tools_[row].moved.read(state.tools[row]);
 }
 
 bool FloatTools::begin_call(const Scene& scene, int steps, bool at_once) {
@@ -142,8 +123,8 @@ void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fix
   fill_held();
 }
 
-/// Of a motion whose next pose is known. A needle asks not whether it was placed, but by how much its surface turns, m.
-void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, bool placed, Float4* rows) const {
+/// Of a motion whose next pose is known.
+void FloatTools::fill_frame(const ToolMotion& motion, Float4* rows) const {
   const Mat3 turn = motion.pose.orientation.toRotationMatrix();
   const Mat3 gain = motion.next_pose.orientation.toRotationMatrix() - turn;
   const Vec3 gone = motion.next_pose.position - motion.pose.position;
@@ -152,26 +133,19 @@ void FloatTools::fill_frame(const Tool& tool, const ToolMotion& motion, bool pla
     rows[axis] = float4(turn.col(axis), high[static_cast<std::size_t>(axis)]);
     rows[4 + axis] = float4(gain.col(axis), static_cast<float>(gone[axis]));
   }
-  const double radius = needle_radius_of(tool);
-  const float turned = static_cast<float>(radius > 0.0 ? radius * needle_turn(motion.pose, motion.next_pose) : 0.0);
-  rows[3] = {low[0], low[1], low[2], radius > 0.0 ? turned : placed ? 1.0f : 0.0f};
+  rows[3] = {low[0], low[1], low[2], motion.placed ? 1.0f : 0.0f};
 }
 
-void FloatTools::begin_batch(int steps, double dt, double last_dt) {
+void FloatTools::begin_batch(int steps, double dt) {
   motions_.clear();
-  placed_.clear();
   for (const Moving& tool : tools_) motions_.push_back(tool.moved.motion);
   Float4* rows = frames_.data();
   for (int step = 0; step <= steps; ++step) {
-    for (std::size_t row = 0; row < motions_.size(); ++row) {
-      motions_[row].advance(dt);
-      const Tool& tool = tools_[row].tool;
-      const bool lets_out = step == 0 && tool.contact == ToolContact::surface && cpu::lets_surface_out(dt, last_dt);
-      const bool placed = motions_[row].placed || lets_out;
-      fill_frame(tool, motions_[row], placed, rows);
-      placed_.push_back(placed ? 1 : 0);
+    for (ToolMotion& motion : motions_) {
+      motion.advance(dt);
+      fill_frame(motion, rows);
       rows += frame_rows;
-      motions_[row].accept();
+      motion.accept();
     }
   }
   frames_filled_ = static_cast<std::size_t>(rows - frames_.data());
@@ -190,7 +164,6 @@ void FloatTools::accept(int steps, double dt, std::span<const ToolSums> sums, st
                          .particles = static_cast<int>(sums[row].last_force[3])};
     tool.tell(last, widened(sums[row].force) + pull_sums[row].force, widened(sums[row].torque) + pull_sums[row].torque,
               steps);
-    tool.report.shaft = sums[row].shaft;
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // FloatTools: the tools of a scene for backends that compute in float. Moved on the host in double precision; a device
-// is given rows, and gives back sums. What needles are besides: float_needles.h.
+// is given rows, and gives back sums. Needles, and tools that touch surfaces, act on the host: ToolSet.
 //
 // Places are seen from the middle of the rest shape and stand as two floats whose sum they are, so that neither the
 // distance of a body from the origin nor its size costs a tool any digits: near a particle is a matter of differences.
@@ -24,7 +24,6 @@ namespace phymul {
 struct ToolSums {
   Float4 force{}, torque{};
   Float4 last_force{}, last_torque{};  // w of the force: particles that it touched
-  std::vector<ShaftLoad> shaft{};      // of a needle that bends, in the last step
 };
 
 class FloatTools {
@@ -42,15 +41,13 @@ class FloatTools {
   bool empty() const { return tools_.empty(); }
   int count() const { return static_cast<int>(tools_.size()); }
   bool any_grid() const { return !grid_values_.empty(); }
-  bool is_needle(int row) const { return needle_radius_of(tools_[static_cast<std::size_t>(row)].tool) > 0.0; }
-  int needle_count() const;
-  int surface_count() const;  ///< of such
 
   void reset(const Scene& scene, const State& state);
   void read(State& state) const;
-  /// Of a needle, as a device has told of it, or as it is to begin there.
-  const NeedleState& needle(int row) const { return tools_[static_cast<std::size_t>(row)].needle; }
-  void set_needle(int row, NeedleState state) { tools_[static_cast<std::size_t>(row)].needle = std::move(state); }
+  // Of a row of Scene::tools().
+  const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
+  void set_moved(std::size_t row, const MovedTool& moved);
+  void set_motion(std::size_t row, const ToolMotion& motion) { tools_[row].moved.motion = motion; }
 
   /// A call begins. True where what is held changes: hold() is then to be called before its first step.
   bool begin_call(const Scene& scene, int steps, bool at_once);
@@ -58,8 +55,8 @@ class FloatTools {
   /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
   void hold(const VecList& position, std::span<const std::uint8_t> fixed, bool plane);
 
-  /// Fills frames() for steps from here on. `last_dt`: s, of the step before; 0: there was none.
-  void begin_batch(int steps, double dt, double last_dt);
+  /// Fills frames() for steps from here on.
+  void begin_batch(int steps, double dt);
   /// So many steps of the batch count; `sums` are of those. By tool, what joints did in the last one and summed.
   void accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
               std::span<const JointSet::Pull> pull_sums);
@@ -73,8 +70,6 @@ class FloatTools {
   /// [steps + 1][count][frame_rows], of the instants of the batch.
   std::span<const Float4> frames() const { return {frames_.data(), frames_filled_}; }
   std::size_t most_frames() const { return frames_.size(); }
-  /// [steps + 1][count] 1 where a tool was put where it is in the step from that instant on.
-  const std::vector<char>& placed() const { return placed_; }
   /// [particles][rest_rows]
   const std::vector<Float4>& rest() const { return rest_; }
   /// [particles] place in the frame of the tool that holds it, m, and that tool's row; -1: free.
@@ -85,13 +80,11 @@ class FloatTools {
   struct Moving {
     MovedTool moved;
     Tool tool;
-    NeedleState needle{};
   };
-  static double needle_radius_of(const Tool& tool);  ///< m; 0: none
   void fill_laws();
   void fill_rest(const VecList& rest);
   void fill_held();
-  void fill_frame(const Tool& tool, const ToolMotion& motion, bool placed, Float4* rows) const;
+  void fill_frame(const ToolMotion& motion, Float4* rows) const;
   bool held_by_any(Index particle) const;
 
   std::size_t most_steps_;
@@ -100,7 +93,6 @@ class FloatTools {
   std::vector<ToolMotion> motions_;  // of a batch ahead
   Vec3 middle_{0, 0, 0};             // m
   std::vector<Float4> laws_, frames_, rest_, held_;
-  std::vector<char> placed_;
   std::size_t frames_filled_ = 0;
   std::vector<float> grid_values_;
   bool was_reset_ = false;     // the first reset is that of a solver being made

@@ -67,8 +67,8 @@ void BodyContacts::follow(const Scene& scene) {
 }
 
 /// Two places come nearer by no more than both go. A velocity differs from the mean by no more than twice the largest.
-bool BodyContacts::none_near(const TouchedParticles& touched) const {
-  return candidates_.none_within(4.0 * touched.going(), 2.0 * (touched.step().gone() - gone_));
+bool BodyContacts::none_near(double going, double gone) const {
+  return candidates_.none_within(4.0 * going, 2.0 * (gone - gone_));
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
@@ -223,7 +223,7 @@ void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
 }
 
 void BodyContacts::act(TouchedParticles& touched) {
-  if (none_near(touched)) return;
+  if (none_near(touched.going(), touched.step().gone())) return;
   find(touched);
   for (int round = 0; round < options_.rounds; ++round) {
     for (Contact& contact : contacts_) press(contact, touched);

@@ -32,6 +32,8 @@ class BodyContacts {
   void forget() { gone_ = NAN; }  ///< places changed otherwise than step by step
 
   void act(TouchedParticles& touched);
+  /// Nothing to do in a step in which no particle goes farther than `going`, m. `gone`: PredictedStep::gone(), m.
+  bool none_near(double going, double gone) const;
 
  private:
   struct Contact {
@@ -53,7 +55,6 @@ class BodyContacts {
     bool inside = false;
   };
 
-  bool none_near(const TouchedParticles& touched) const;
   void find(TouchedParticles& touched);
   std::optional<Nearest> nearest(const ContactCandidates::List& list, double search_distance) const;
   std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double search_distance) const;

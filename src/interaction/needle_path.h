@@ -27,6 +27,7 @@ class NeedlePath {
   void accept();  ///< the step counts
 
   const NeedleState& state() const { return state_; }
+  double length() const { return needle_.length; }  ///< m
   void restore(NeedleState state) { state_ = std::move(state); }
 
  private:

@@ -93,9 +93,13 @@ void ToolSet::reset(const Scene& scene, const State& state) {
   was_reset_ = true;
 }
 
+const MovedTool* ToolSet::find(std::uint64_t id) const {
+  const auto known = std::ranges::find(tools_, id, [](const Moving& moving) { return moving.moved.id; });
+  return known == tools_.end() ? nullptr : &known->moved;
+}
+
 const ToolReport& ToolSet::report(const SceneTool& wanted) const {
-  const auto known = std::ranges::find(tools_, wanted.id, [](const Moving& moving) { return moving.moved.id; });
-  if (known != tools_.end()) return known->moved.report;
+  if (const MovedTool* const known = find(wanted.id)) return known->report;
   unseen_ = {};
   unseen_.pose = wanted.pose;
   return unseen_;
@@ -181,6 +185,41 @@ void ToolSet::ways(double dt, std::vector<ToolWay>& ways) const {
   }
 }
 
+bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<bool(const Region&)>& any_in) const {
+  for (const Moving& tool : tools_) {
+    const MovedTool& moved = tool.moved;
+    if (!moved.held.empty() || moved.grasps || moved.releases) return true;
+    if (tool.needle && !tool.needle->state().hole.empty()) return true;
+    if (tool.shape.kind == ShapeKind::half_space) return true;  // a floor is always under something
+    Region own = tool.bounds;
+    if (tool.needle) own.high.z() += tool.needle->length();
+    Region all{.low = Vec3::Constant(infinite), .high = Vec3::Constant(-infinite)};
+    ToolMotion motion = moved.motion;
+    for (int step = 0; step < steps; ++step) {
+      motion.advance(dt);
+      const Region region = swept_bounds(tool.shape, own, ToolFrame(motion.pose), ToolFrame(motion.next_pose),
+                                         tool.needle || tool.surface ? wide : 0.0);
+      all.low = all.low.cwiseMin(region.low);
+      all.high = all.high.cwiseMax(region.high);
+      motion.accept();
+    }
+    if (any_in(all)) return true;
+  }
+  return false;
+}
+
+void ToolSet::pass(int steps, double dt, std::span<const JointSet::Pull> pulls, std::span<const JointSet::Pull> sums) {
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
+    MovedTool& moved = tools_[row].moved;
+    for (int step = 0; step < steps; ++step) {
+      moved.motion.advance(dt);
+      moved.accept_pose();
+    }
+    const auto of = [row](std::span<const JointSet::Pull> all) { return all.empty() ? JointSet::Pull{} : all[row]; };
+    moved.tell({.force = of(pulls).force, .torque = of(pulls).torque}, of(sums).force, of(sums).torque, steps);
+  }
+}
+
 void ToolSet::pull(std::span<const JointSet::Pull> pulls) {
   for (std::size_t row = 0; row < tools_.size(); ++row) tools_[row].pull = pulls[row];
 }
@@ -188,8 +227,6 @@ void ToolSet::pull(std::span<const JointSet::Pull> pulls) {
 void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     tool.next_force = {};
-    tool.next_force.force = tool.pull.force;
-    tool.next_force.torque = tool.pull.torque;
     tool.moved.motion.advance(touched.dt());
     tool.law.placed = tool.moved.motion.placed || (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
     if (tool.moved.releases) tool.moved.release();
@@ -215,6 +252,8 @@ void ToolSet::accept() {
       tool.moved.report.shaft = tool.needle->state().shaft;
     }
     tool.moved.accept_pose();
+    tool.next_force.force += tool.pull.force;
+    tool.next_force.torque += tool.pull.torque;
     tool.moved.tell(tool.next_force, tool.next_force.force, tool.next_force.torque, 1);
   }
 }

@@ -7,6 +7,7 @@
 #include <phymul/scene.h>
 #include <phymul/state.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -34,10 +35,19 @@ class ToolSet {
   void begin_call(const Scene& scene, int steps, bool at_once);
   /// Where each tool is during the next step. Allocates only where `ways` has no room for count().
   void ways(double dt, std::vector<ToolWay>& ways) const;
-  /// What joints do to the tools in the next act(), by Scene::tools().
+  /// Whether a tool may touch something within the next steps, where any_in(region) says whether a particle may be
+  /// there in that time. `wide`: m, no point of a surface's triangle is farther from all its corners.
+  bool may_touch(int steps, double dt, double wide, const std::function<bool(const Region&)>& any_in) const;
+  /// Takes all tools on by steps in which they touch nothing. What joints did to them: in the last step, and summed.
+  void pass(int steps, double dt, std::span<const JointSet::Pull> pulls, std::span<const JointSet::Pull> sums);
+  /// What joints do to the tools in the step, by Scene::tools(). Before accept().
   void pull(std::span<const JointSet::Pull> pulls);
   /// Acts on one step; the poses are those of the step's end.
   void act(TouchedParticles& touched);
+  const MovedTool* find(std::uint64_t id) const;  ///< null where follow() has not seen it
+  // Of a row of Scene::tools().
+  const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
+  void set_moved(std::size_t row, const MovedTool& moved) { tools_[row].moved = moved; }
   void accept();  ///< the step counts; without it the next act() does it over
 
   /// Of a tool of the scene as it is now; where follow() has not seen it yet, no force and the scene's pose. Good until
@@ -54,7 +64,7 @@ class ToolSet {
     std::optional<NeedlePath> needle{};
     std::optional<SurfacePress> surface{};  // of ToolContact::surface
     JointSet::Pull pull{};                  // of joints, in the step in question
-    ToolForce next_force{};                 // likewise, of everything
+    ToolForce next_force{};                 // likewise, of what it touches
   };
 
   static Moving made(const SceneTool& tool, const Scene& scene);

@@ -17,6 +17,11 @@ class Touching {
   }
   void forget() { contacts_.forget(); }  ///< places changed otherwise than step by step
   bool empty() const { return contacts_.empty() && volumes_.empty(); }
+  /// Whether it may act in steps in which no particle goes farther than `going`, m, each, and the next one ends with
+  /// PredictedStep::gone() no larger than `gone`, m.
+  bool may_act(double going, double gone) const {
+    return !volumes_.empty() || (!contacts_.empty() && !contacts_.none_near(going, gone));
+  }
 
   /// The row of a volume that cannot be restored; -1: none.
   int act(TouchedParticles& touched) {

@@ -42,7 +42,7 @@ bool is_in_plane(const State& state) {
 constexpr const char* no_tools =
     "the scene has tools, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_needles =
-    "the scene has a needle, which this backend does not take; use \"gl-compute\", \"cpu\" or \"reference\"";
+    "the scene has a needle, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_surfaces =
     "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\", \"gl-compute\" or "
     "\"reference\"";

@@ -163,11 +163,6 @@ void SolverBackend::report_failure(const Motion& motion, StepReport& report) con
     report.cause =
         "no small displacement of its free particles restores it: all of them are held, or the surface is flat or "
         "strongly deformed";
-  } else if (motion.full_needle >= 0) {
-    report.status = StepStatus::needle_full;
-    report.cause =
-        "Give the needle a larger Needle::spread or use the backend \"cpu\". To continue, take the needle out with "
-        "ToolHandle::teleport(), or call reset()";
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;

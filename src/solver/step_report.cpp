@@ -74,12 +74,6 @@ std::string StepReport::message() const {
     case StepStatus::device_lost:
       std::snprintf(text, sizeof text, "device_lost: the device failed after t = %.6g s", time);
       break;
-    case StepStatus::needle_full:
-      std::snprintf(text, sizeof text,
-                    "needle_full: a needle's hole is longer, or the tissue around it denser, than the device has room "
-                    "for after t = %.6g s (step %d of this call); the state at that time is kept. %s",
-                    time, steps + 1, cause);
-      break;
     case StepStatus::volume_lost:
       std::snprintf(text, sizeof text,
                     "volume_lost: the volume of the closed surface at particle %d could not be restored after t = %.6g "

@@ -168,7 +168,7 @@ PairStiffness pair_stiffness(const Model& model, const Domains& domains, const s
 /// s of each domain: the mean over its cells, by volume.
 std::vector<double> stabiliser_of_domains(const Model& model, const Domains& domains, TopologyOptions& options) {
   if (options.stabiliser) return std::vector<double>(domains.particle.size(), *options.stabiliser);
-  const std::vector<double> of_cell = calibrated_stabilisers(model, domains).of_cells(model, domains, least_stabiliser);
+  const std::vector<double> of_cell = calibrated_stabilisers(model, domains).of_cells(model, domains);
   struct Mean {
     double sum = 0.0, weight = 0.0, least = std::numeric_limits<double>::infinity(), most = -least;
     /// Of equal values exactly theirs: rounding would tell domains apart that lie alike.

@@ -12,6 +12,7 @@
 #include "body_frames.h"
 #include "cell_quadrature.h"
 #include "coordinate_products.h"
+#include "energies.h"
 
 namespace phymul {
 namespace {
@@ -205,11 +206,24 @@ std::vector<CalibratedStabiliser> calibrated(Index part, const std::vector<Energ
 
 }  // namespace
 
-std::vector<double> CalibratedStabilisers::of_cells(const Model& model, const Domains& domains, double least) const {
+std::vector<double> CalibratedStabilisers::of_cells(const Model& model, const Domains& domains) const {
+  // Half the surface around a particle, weighted by N^2: C_dd, over all its domains.
+  VecList surface(model.rest.size(), Vec3::Zero());
+  std::vector<double> volume(model.rest.size(), 0.0);
+  for (Index d = 0; d < domains.count(); ++d) {
+    surface[domains.particle[d]] += domains.area[domains.first_pair(d) + domains.place(d, d)];
+    volume[domains.particle[d]] += domains.volume[domains.kind[d]];
+  }
+  std::vector<double> least_of(static_cast<std::size_t>(parts), least_stabiliser_of_layers);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const double side = std::pow(volume[i], 1.0 / model.dimension);
+    if (surface[i].norm() < 1e-6 * std::pow(side, model.dimension - 1)) least_of[part[i]] = least_stabiliser;
+  }
   std::vector<double> values(model.cells.size(), 0.0);
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
     if (domains.of_cell.size(row) == 0) continue;
     const Cell& cell = model.cells[row];
+    const double least = least_of[part[cell.particles.front()]];
     values[row] = least;
     for (const CalibratedStabiliser& it : all) {
       if (it.part == part[cell.particles.front()] && it.type == cell.type) values[row] = std::max(least, it.value);
@@ -226,6 +240,7 @@ CalibratedStabilisers calibrated_stabilisers(const Model& model, const Domains& 
     const std::vector<CalibratedStabiliser> of_part = calibrated(part, energies[part]);
     result.all.insert(result.all.end(), of_part.begin(), of_part.end());
   }
+  result.parts = test.frames().parts();
   for (Index i = 0; i < model.particle_count(); ++i) result.part.push_back(test.frames().part(i));
   return result;
 }

@@ -21,9 +21,11 @@ struct CalibratedStabiliser {
 struct CalibratedStabilisers {
   std::vector<CalibratedStabiliser> all;
   std::vector<Index> part;  ///< [N] of each particle: what no pair of domains joins are two parts
+  Index parts = 0;
 
-  /// Per row of Model::cells; `least`: no value is below; 0 for cells that are not solid.
-  std::vector<double> of_cells(const Model& model, const Domains& domains, double least) const;
+  /// Per row of Model::cells, no value below least_stabiliser or, where a part has no particle inside,
+  /// least_stabiliser_of_layers; 0 for cells that are not solid.
+  std::vector<double> of_cells(const Model& model, const Domains& domains) const;
 };
 
 /// The bending u_a = x_a x_b, u_b = -(x_a^2 + nu (x_b^2 - x_c^2)) / 2, u_c = -nu x_b x_c about the centroid of a part,

@@ -13,7 +13,7 @@ set_tests_properties(wasm.trajectories PROPERTIES PASS_REGULAR_EXPRESSION "\\[  
                                                   FAIL_REGULAR_EXPRESSION "\\[  FAILED  \\]")
 
 # In a browser: the suites of `gl` that need no EGL, no threads and no files.
-set(suites equivalence fragment averaged stiffness dissipation volume tool fragment_contact contact_runs)
+set(suites equivalence fragment averaged stiffness dissipation volume tool host_step contact_runs)
 list(TRANSFORM suites REPLACE "(.+)" "gl/gl_\\1_test.cpp")
 phymul_test_program(phymul_browser_gl_test ${suites} browser/main.cpp)
 target_link_libraries(phymul_browser_gl_test PRIVATE phymul_mirror)
@@ -22,7 +22,7 @@ target_link_options(phymul_browser_gl_test PRIVATE -O1 -sMODULARIZE=1 -sEXPORT_N
 find_program(PHYMUL_CHROMIUM NAMES chromium chromium-browser google-chrome DOC "The browser of tests")
 # Left out, with the reasons in docs/guide/browser.md: what waits for a copy in a loop or needs threads, compute shaders or
 # names of framebuffers that a host may not know there; and comparisons with the mirror that only its bits pass.
-set(not_there "*CopiesAndLostDevices*:*FourSolversInFourThreads*:*BitsAreThoseOfComputeShaders*:*PaddingOfEveryTarget*")
+set(not_there "*CopiesAndLostDevices*:*FourSolversInFourThreads*:*PaddingOfEveryTarget*")
 set(not_there "${not_there}:*TellsOfItsStepsWhatTheMirrorTells*:*LoadsOfAllKindsHaveTheMirrorsBits*")
 set(not_there "${not_there}:*EveryShapeHasTheMirrorsBits*")
 add_test(NAME wasm.gl

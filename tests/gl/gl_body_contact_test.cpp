@@ -10,14 +10,11 @@
 namespace phymul::test {
 namespace {
 
-class GlBodyContact : public OnBothDevices {
- protected:
-  static bool draws() { return GetParam() == GlBackend::fragment; }
-};
+class GlBodyContact : public OnBothDevices {};
 
 PHYMUL_ON_BOTH_DEVICES(GlBodyContact);
 
-/// Of gl-compute alone: fragments give its bits (GlFragmentContact), in several times the time on a software renderer.
+/// Of gl-compute alone: the host's contacts are tested in tests/interaction.
 using GlContactMotion = OnCompute;
 
 /// A cube that falls and slides on a slab, also 1.4 km from the origin.
@@ -28,7 +25,7 @@ TEST_P(GlBodyContact, AgreesWithTheReference) {
     Scene scene = Scene(model).gravity({3.0, 1.0, -9.81}).fix("low/z0").contacts({.friction = 0.2});
     BesideReference pair(model, scene, damped(5.0), GetParam());
     double pushed = 0.0;
-    for (int call = 0; call < (draws() ? 6 : 12); ++call) worst = std::max(worst, pair.off_after(10));
+    for (int call = 0; call < 12; ++call) worst = std::max(worst, pair.off_after(10));
     for (int step = 0; step < 10; ++step) {
       const auto [off, change] = pair.one_step();
       worst_step = std::max(worst_step, off);
@@ -57,7 +54,7 @@ TEST_P(GlBodyContact, MomentumIsKeptToRounding) {
     pair.device->reset(state);
     const Momentum start = pair.device->momentum();
     double worst = 0.0;
-    for (int k = 0; k < (draws() ? 12 : 30); ++k) {
+    for (int k = 0; k < 30; ++k) {
       ASSERT_TRUE(pair.device->step(5, 0.25 * pair.dt).ok());
       worst = std::max(worst, (pair.device->momentum().linear - start.linear).norm() / (5 * (k + 1) * 0x1p-24 * scale));
     }
@@ -151,7 +148,7 @@ TEST_P(GlBodyContact, ManyBodiesAgreeWithTheReference) {
   }
   BesideReference pair(model, scene, damped(10.0), GetParam());
   double worst = 0.0;
-  for (int k = 0; k < (draws() ? 3 : 6); ++k) worst = std::max(worst, pair.off_after(20));
+  for (int k = 0; k < 6; ++k) worst = std::max(worst, pair.off_after(20));
   for (int k = 2; k < 12; k += 3) {
     EXPECT_GT(lowest(pair.device->read(), model.group("b" + std::to_string(k))), 0.0045);
   }
@@ -171,7 +168,7 @@ TEST_P(GlBodyContact, ALongChainOfContactsIsPressedToItsEnd) {
   for (const Index i : model.group("high")) falling.velocity[i] = Vec3(0.02, 0.01, -0.05);
   pair.device->reset(falling);
   double worst = 0.0, pushed = 0.0;
-  for (int k = 0; k < (draws() ? 1 : 3); ++k) {
+  for (int k = 0; k < 3; ++k) {
     const auto [off, change] = pair.one_step();
     worst = std::max(worst, off);
     pushed = std::max(pushed, change);

@@ -59,7 +59,8 @@ struct OwnDevice {
   OwnDevice(const Model& model, const Scene& scene, const TopologyOptions& topology, const gl::ComputeLimits& limits) {
     const auto tables = tables_of(model, topology);
     slices = pack_slices(pack_floats(*tables), *tables);
-    device = std::make_unique<gl::ComputeDevice>(slices, scene, no_tools, gl::ShaderLibrary("", is_es()), limits);
+    device =
+        std::make_unique<gl::ComputeDevice>(slices, scene, no_tools, false, gl::ShaderLibrary("", is_es()), limits);
     dt = 0.2 * stable_step(estimate_spectrum(*tables, tables->rest), 1.0);
   }
   static bool is_es() { return gl::read_context_info().es; }

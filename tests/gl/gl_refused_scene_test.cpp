@@ -8,11 +8,18 @@
 #include "device/slice_tables.h"
 #include "gl/compute/compute_device.h"
 #include "gl/fragment/fragment_device.h"
-#include "support/gl_needles.h"
+#include "support/gl_touching_bodies.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
 namespace {
+
+/// For a device of a test's own.
+FloatTools tools_of(const Scene& scene) {
+  FloatTools tools(gl::Device::most_steps);
+  tools.follow(scene);
+  return tools;
+}
 
 PFNGLGETUNIFORMLOCATIONPROC driver_location = nullptr;
 std::string refused_name;  // of a uniform
@@ -78,32 +85,29 @@ class RefusedScene : public OnBothDevices {
     Scene scene = Scene(model_).fix("low/z0").gravity({0, 0, -9.81});
     return scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
   }
-  void add_needle(Scene& scene, double stiffness) const {
-    Needle needle = bending(stiffness);
-    needle.spread = 0.009;
-    scene.add_tool("needle", {.shape = needle, .pose = {.position = {0.0103, 0.0121, 0.012}}, .friction = 0.5});
+  /// As DeviceSolver decides.
+  static bool acts_on_host(const Scene& scene) {
+    return GetParam() == GlBackend::fragment && scene.contacts().has_value();
   }
   std::unique_ptr<gl::Device> make(const Scene& scene, const gl::ShaderLibrary& library) const {
     std::unique_ptr<gl::Device> device;
     if (GetParam() == GlBackend::fragment) {
-      device = std::make_unique<gl::FragmentDevice>(pack_floats(*tables_), scene, tools_of(scene), library);
+      device = std::make_unique<gl::FragmentDevice>(pack_floats(*tables_), scene, tools_of(scene), acts_on_host(scene),
+                                                    library);
     } else {
       device = std::make_unique<gl::ComputeDevice>(pack_slices(pack_floats(*tables_), *tables_), scene, tools_of(scene),
-                                                   library, gl::ComputeLimits::of_context());
+                                                   acts_on_host(scene), library, gl::ComputeLimits::of_context());
     }
     device->write(tables_->rest, rest_state(model_));
     return device;
   }
   /// A batch of four steps.
   void go(gl::Device& device, FloatTools& tools) const {
-    begin_batch(device, tools, 4, dt_);
+    tools.begin_batch(4, dt_);
+    device.begin_batch({.dt = dt_, .largest_acceleration = 1e30, .runaway_speed = 1e9},
+                       {0.0, dt_, 2 * dt_, 3 * dt_, 4 * dt_}, tools);
     device.run(4);
-    gl::BatchReport report = device.report();
-    while (report.unfinished) {
-      device.give_more_passes();
-      device.run(4);
-      report = device.report();
-    }
+    const gl::BatchReport report = device.report();
     EXPECT_EQ(report.runaway_step, 0);
   }
   State read(gl::Device& device) const {
@@ -123,7 +127,7 @@ class RefusedScene : public OnBothDevices {
     EXPECT_TRUE(refuses(
         [&] {
           const RefusedName guard(refused);
-          asked->set_scene(other, tools_of(other));
+          asked->set_scene(other, tools_of(other), acts_on_host(other));
         },
         cause));
     for (int batch = 0; batch < 2; ++batch) {
@@ -156,50 +160,45 @@ TEST_P(GlFragmentRefusedScene, WhatAPassCannotBeGivenChangesNothing) {
     context_->run([&] { expect_to_go_on(scene, other, library, name, name); });
   };
   offer("kept_facets", [](Scene& other) { other.constrain_volume("low"); });
-  offer("tree_roots", [](Scene& other) { other.contacts({}); });
+  offer("push_rows", [](Scene& other) { other.contacts({}); });
   offer("joint_ends", [](Scene& other) { other.add_joint({at_particle(0), at_world({0, 0, 1})}, 10.0); });
 }
 
-/// Passes of contacts are made once; those of needles that bend take the place of others, but not before they are
-/// there.
 TEST_P(GlRefusedScene, ShadersThatDoNotCompileChangeNothing) {
   const std::filesystem::path folder = testing::TempDir() + "refused_" + name_of(GetParam());
   std::filesystem::remove_all(folder);
   std::filesystem::copy(PHYMUL_GLSL_SOURCES, folder, std::filesystem::copy_options::recursive);
   const bool draws = GetParam() == GlBackend::fragment;
-  std::ofstream(folder / (draws ? "contact/contact_phase_pass.glsl" : "needle/needle_bend.glsl"))
+  std::ofstream(folder / (draws ? "step/host_pushes.glsl" : "contact/contact_law.glsl"))
       << "float broken() { return; }\n";
-  Scene scene = pressed(), other = pressed();
-  if (draws) {
-    other.contacts({});
-  } else {
-    add_needle(scene, 0.0);
-    add_needle(other, 5e-3);
-  }
+  Scene other = pressed();
+  other.contacts({});
   const gl::ShaderLibrary library(folder.string(), context_->info().es);
-  context_->run([&] { expect_to_go_on(scene, other, library, "does not compile", ""); });
+  context_->run([&] { expect_to_go_on(pressed(), other, library, "does not compile", ""); });
   std::filesystem::remove_all(folder);
 }
 
-/// Sweeps over more contacts and rounds than either backend counts.
-TEST_P(GlRefusedScene, ContactsThatAreTooManyAreRefusedBeforeAnythingIsMade) {
+/// Sweeps over more contacts and rounds than shaders count.
+using GlComputeRefusedScene = RefusedScene;
+INSTANTIATE_TEST_SUITE_P(gl_compute, GlComputeRefusedScene, testing::Values(GlBackend::compute));
+
+TEST_P(GlComputeRefusedScene, ContactsThatAreTooManyAreRefusedBeforeAnythingIsMade) {
   Scene other = pressed();
-  if (GetParam() == GlBackend::compute) add_needle(other, 0.0);
   other.contacts({.rounds = 100'000'000});
   const gl::ShaderLibrary library("", context_->info().es);
   context_->run([&] {
     expect_to_go_on(pressed(), other, library, "use fewer rounds", "");
     const std::unique_ptr<gl::Device> device = make(pressed(), library);
     const ThingsMade made;
-    EXPECT_NE(message_of([&] { device->set_scene(other, tools_of(other)); }), "(no error)");
+    EXPECT_NE(message_of([&] { device->set_scene(other, tools_of(other), false); }), "(no error)");
     EXPECT_EQ(made.count(), 0);
-    device->set_scene(pressed(), tools_of(pressed()));
+    device->set_scene(pressed(), tools_of(pressed()), false);
     EXPECT_GT(made.count(), 0);
   });
 }
 
 /// A host that takes back what was refused.
-TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
+TEST_P(GlComputeRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
   Scene asked = pressed(), left = pressed();
   gl::DeviceSolver solver(GetParam(), tables_, asked, {}), alone(GetParam(), tables_, left, {});
   ASSERT_TRUE(all_step(20, dt_, solver, alone));
@@ -212,36 +211,6 @@ TEST_P(GlRefusedScene, ASolverGoesOnOnceTheSceneFitsAgain) {
   asked.no_contacts();
   ASSERT_TRUE(all_step(20, dt_, solver, alone));
   EXPECT_EQ(difference(solver.read(), alone.read()), "");
-}
-
-using GlRefusedNeedle = GlTest;
-
-/// Of gl alone. The scene before is left as it was, and goes on once the needle is gone.
-TEST_F(GlRefusedNeedle, IsNamedAndTheSceneBeforeGoesOn) {
-  const Model model = with_material(make_block({0.02, 0.02, 0.02}, 3, 3, 3));
-  Scene scene(model), alone(model);
-  const Tool ball{.shape = Sphere{0.005}, .pose = {.position = {0.01, 0.01, 0.024}}};
-  for (Scene* one : {&scene, &alone}) one->fix("z0").gravity({0, 0, -9.81}).add_tool("ball", ball);
-  const auto solver = make_solver("gl", model, scene), plain = make_solver("gl", model, alone);
-  const double dt = 0.1 * solver->stable_step();
-  ASSERT_TRUE(all_step(20, dt, solver, plain));
-  const State before = solver->read();
-  scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});
-  const StepReport refused = solver->step(1, dt);
-  EXPECT_EQ(refused.status, StepStatus::not_supported);
-  for (const std::string& message : {refused.message(), message_of([&] { make_solver("gl", model, scene); }),
-                                     message_of([&] { solver->reset(); })}) {
-    for (const char* part : {"needle", "\"gl\"", "\"gl-compute\"", "\"cpu\"", "\"reference\""}) {
-      EXPECT_TRUE(says(message, part));
-    }
-  }
-  EXPECT_EQ(solver->read(), before);
-  scene.remove_tool("needle");
-  ASSERT_TRUE(all_step(20, dt, solver, plain));
-  EXPECT_EQ(solver->read(), plain->read());
-  EXPECT_EQ(solver->tool_force("ball").mean_force, plain->tool_force("ball").mean_force);
-  scene.add_tool("needle", {.shape = Needle{}, .pose = {.position = {0.01, 0.01, 0.03}}});
-  EXPECT_NE(make_solver("auto", model, scene)->name(), "gl");
 }
 
 }  // namespace

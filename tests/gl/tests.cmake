@@ -63,7 +63,7 @@ endfunction()
 
 # Compute shaders are asked for where a driver has them: not in OpenGL ES 3.0 nor on softpipe. Where the desktop GL is
 # too old for them they run under OpenGL ES.
-set(computing "*/gl_compute*:GlComputeDevice.*:GlContactMotion.*:GlFragmentContact.Bits*:GlNeedle*:GlComputeNeedle.*:GlToolSurfaceWithNeedle.*:*HostsContextIsLeftAsItWasByComputing*")
+set(computing "*/gl_compute*:GlComputeDevice.*:GlContactMotion.*:GlComputeContacts.*:*HostsContextIsLeftAsItWasByComputing*")
 
 # A minute each, of all bodies and variants: under desktop GL both backends show their bits, under the
 # oldest of each dialect single steps of the fragment backend, and 2,000 damped ones under the oldest OpenGL ES.
@@ -75,17 +75,14 @@ set(long_in_33 "*GlEquivalence.SingleSteps*/gl_compute*:${damped}")
 # The oldest desktop GL, the other dialect, and its oldest version. LP_NUM_THREADS=0: no threads of the renderer's own,
 # which small bodies only wait for. (Where desktop GL is 3.3 compute shaders run under OpenGL ES, as in the next.)
 set(gl_33 MESA_GL_VERSION_OVERRIDE=3.3 MESA_GLSL_VERSION_OVERRIDE=330 LP_NUM_THREADS=0)
-set(compute_in_es "*GlTool*/gl_compute*:*GlVolume*/gl_compute*:*NeedleIn.*/gl_compute")
-set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:GlContactMotion.*:GlNeedle*:GlComputeNeedle.*")
-# What fragments do about contacts in seconds each; the rest they do under every GL.
-set(long_contacts "*GlBodyContact.M*/gl:*GlBodyContact.ALong*/gl:*GlContactRuns.Batches*/gl:*GlContactRuns.Runs*/gl")
-set(long_contacts "${long_contacts}:GlFragmentContact.Bits*")
-gl_tests_under(33 "${long_in_33}:${compute_in_es}:${long_contacts}" ${gl_33})
+set(compute_in_es "*GlTool*/gl_compute*:*GlVolume*/gl_compute*:*GlHostStep*/gl_compute*:*NeedleIn.*/gl_compute")
+set(compute_in_es "${compute_in_es}:*Gl*Contact*/gl_compute:GlContactMotion.*:GlComputeContacts.*")
+gl_tests_under(33 "${long_in_33}:${compute_in_es}" ${gl_33})
 set(long_in_es "${long}:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolume.ManyFacets*")
-set(long_in_es "${long_in_es}:*GlContactMotion*:*GlBodyContact.Momentum*:${long_contacts}")
-set(long_needles "*NeedleIn.BendsUnder*/gl_compute:*NeedleIn.IsTheStiff*/gl_compute:*NeedleIn.GoesOn*/gl_compute")
+set(long_in_es "${long_in_es}:*GlContactMotion*:*GlBodyContact.Momentum*")
+set(long_needles "*NeedleIn.BendsUnder*/gl*:*NeedleIn.IsTheStiff*/gl*:*NeedleIn.GoesOn*/gl*")
 gl_tests_under(es "${long_in_es}:${long_needles}" PHYMUL_GL_DIALECT=es LP_NUM_THREADS=0)
-gl_tests_under(es30 "*AHundred*:${computing}:${long_contacts}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
+gl_tests_under(es30 "*AHundred*:${computing}" PHYMUL_GL_DIALECT=es MESA_GLES_VERSION_OVERRIDE=3.0 LP_NUM_THREADS=0)
 # The oldest OpenGL ES that computes. It has no `precise`, so that a compiler may order sums as it likes: what every
 # backend must do is asked of it, not the mirror's bits.
 add_test(NAME gl.es31.phymul_test COMMAND phymul_test "--gtest_filter=*/gl_compute-${long_needles}" --gtest_brief=1)
@@ -100,13 +97,13 @@ set_tests_properties(gl.33.no_compute PROPERTIES ENVIRONMENT "${old_gl}")
 # let go takes it three minutes, tools that agree with the reference as on llvmpipe (GlTool.Agrees*) more than one.
 set(minutes "*RestStaysAtRest*:*PulledCylinder*:*EnumeratedBasesMove*:*AHundred*:*GlAveraged.BodiesGo*")
 set(long_with_tools "*GlTool.Every*:*GlTool.Agrees*:*GlTool.Batches*:*MovingTool.GoesBack*:*MovingTool.Holds*")
-set(long_with_tools "${long_with_tools}:*GlToolSurface.E*:*GlToolSurface.A*Beside*:*GlToolSurface.T*:*GlToolSurface.S*:*ToolSurfaceOn.F*:*ToolSurfaceOn.Takes*")
+set(long_with_tools "${long_with_tools}:*GlHostStep*:*NeedleIn*:*NeedleOn*:*ToolSurfaceOn.F*:*ToolSurfaceOn.Takes*")
 set(long_with_tools "${long_with_tools}:*Contact.Block*:*Contact.Compliance*:*Contact.TenThousand*:*GridTool*")
 set(long_with_volumes "*GlVolume.IsKept*:*GlVolume.Several*:*GlVolume.Keeps*:*GlVolume.Batches*:*GlVolume.ManyFacets*")
-set(with_contacts "GlFragmentContact.*:*GlBodyContact.A*:*GlBodyContact.Tools*:*GlBodyContact.V*:*GlContactRuns.AScene*")
+set(with_contacts "*GlBodyContact.*:*GlContactRuns.*")
 set(with_joints "*GlJoint.*Contacts*:*JointOfBodiesIn.GlueHolds*:*JointIn.AChain*:*JointIn.AStiff*")
 set(refused "*RefusedScene.Sh*:*RefusedScene.W*")
-gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${with_joints}:${long_contacts}:${long_with_tools}:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
+gl_tests_under(softpipe "${refused}:${minutes}:${with_contacts}:${with_joints}:${long_with_tools}:${long_with_volumes}:${computing}" GALLIUM_DRIVER=softpipe)
 
 # Mesa's GL over Vulkan, on its software renderer. There Mesa 22.3 compiles uniforms into shaders, and runs a stale one
 # where a uniform keeps its value (docs/measurements/systems.md).

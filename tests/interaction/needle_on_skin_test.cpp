@@ -10,7 +10,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleOnSkin = WithTools;
-PHYMUL_WITH_NEEDLES(NeedleOnSkin);
+PHYMUL_ON_EVERY_BACKEND(NeedleOnSkin);
 
 TEST_P(NeedleOnSkin, StaysInItsConeUntilItPunctures) {
   constexpr double friction = 0.5;              // Insertion's

@@ -55,7 +55,7 @@ double skin_off_shaft(const Solver& solver, const ToolPose& pose) {
 }
 
 using BendingNeedleIn = WithTools;
-PHYMUL_WITH_NEEDLES(BendingNeedleIn);
+PHYMUL_ON_EVERY_BACKEND(BendingNeedleIn);
 
 /// A block that hangs on the needle alone: its weight is known, and acts in its middle.
 TEST_P(BendingNeedleIn, BendsUnderAHangingBlockAsABeamDoes) {

@@ -9,7 +9,7 @@ namespace phymul::test {
 namespace {
 
 using NeedleIn = WithTools;
-PHYMUL_WITH_NEEDLES(NeedleIn);
+PHYMUL_ON_EVERY_BACKEND(NeedleIn);
 
 TEST_P(NeedleIn, ForceRisesDropsAtPunctureGrowsWithDepthAndTurnsOnWithdrawal) {
   Insertion needle(GetParam(), 6, 0.4);

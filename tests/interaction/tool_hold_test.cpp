@@ -163,7 +163,7 @@ TEST_P(ToolHold, GivesWayToWhatIsFixedBeforeAndAfterwards) {
 }
 
 class ToolHoldAndNeedle : public ToolHold {};
-PHYMUL_WITH_NEEDLES(ToolHoldAndNeedle);
+PHYMUL_ON_EVERY_BACKEND(ToolHoldAndNeedle);
 
 TEST_P(ToolHoldAndNeedle, OfAnotherShapeIsRefusedAndTheSolverIsAsItWas) {
   scene_.tool("jaw").grasp(near);

@@ -13,6 +13,7 @@
 #include "mirror_joints.h"
 #include "mirror_volumes.h"
 #include "scene/tool_state.h"
+#include "solver/step_order.h"
 #include "touch_tools.h"
 
 namespace phymul::cpu {
@@ -97,6 +98,8 @@ class MirrorSolver final : public SolverBackend {
   }
 
  private:
+  friend StepOrder;
+
   void do_reset(const State& state) override {
     require_state_in_range(topology().rest, state);
     for (std::size_t i = 0; i < u_.size(); ++i) {
@@ -137,36 +140,52 @@ class MirrorSolver final : public SolverBackend {
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
 
   Motion do_step(const StepPlan& plan) override {
-    Motion motion;
-    motion.steps_at_rest = steps_at_rest_;
     if (tools_.begin_call(scene(), plan.steps, plan.stop_at_rest)) {
       tools_.hold(read().position, frame().fixed, topology().dimension == 2);
     }
-    while (motion.steps < plan.steps) {
-      if (!dissipation_.empty()) dissipation_.begin_step(plan.dt, last_dt_);
-      const bool cut = move(plan, motion);
-      if (motion.lost_volume >= 0) break;
-      motion.bad_particle = first_runaway(plan.runaway_speed);
-      if (motion.bad_particle >= 0) break;
-      u_.swap(next_u_);
-      v_.swap(next_v_);
-      accept_joints_and_tools(plan.dt);
-      dissipation_.accept();
-      time_ += plan.dt;
-      last_dt_ = plan.dt;
-      ++motion.steps;
-      motion.force_clamped = motion.force_clamped || cut;
+    return StepOrder::run(*this, plan);
+  }
 
-      motion.max_speed = max_free_speed();
-      const RestThresholds asked{plan.speed_at_rest, plan.acceleration_at_rest};
-      const RestThresholds rest = joints_.empty() ? rest_thresholds(asked, largest_displacement())
-                                                  : rest_thresholds(asked, largest_displacement(), plan.omega_max);
-      const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
-      steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
-      motion.steps_at_rest = steps_at_rest_;
-      if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
-    }
-    return motion;
+  // Stages of StepOrder. Particle by particle, as the shaders do it, the rest is one.
+
+  static bool has_joints() { return false; }
+  static bool has_substeps() { return false; }
+  static bool has_implicit_joints() { return false; }
+  static bool touches() { return false; }
+  void begin(const StepPlan& plan) {
+    if (!dissipation_.empty()) dissipation_.begin_step(plan.dt, last_dt_);
+  }
+  static void pull_joints(const StepPlan& /*plan*/) {}
+  static void find_forces(const StepPlan& /*plan*/, bool /*last*/) {}
+  static void add_substeps(const StepPlan& /*plan*/) {}
+  static void limit(const StepPlan& /*plan*/) {}
+  static void solve_joints(const StepPlan& /*plan*/) {}
+  static void predict(const StepPlan& /*plan*/) {}
+  static int touch(const StepPlan& /*plan*/) { return -1; }
+
+  Index move(const StepPlan& plan, Motion& motion) {
+    cuts_ = move_all(plan, motion);
+    return motion.lost_volume >= 0 ? -1 : first_runaway(plan.runaway_speed);
+  }
+
+  int& steps_at_rest() { return steps_at_rest_; }
+  static void drop_step() {}
+
+  void accept(const StepPlan& plan, Motion& motion) {
+    u_.swap(next_u_);
+    v_.swap(next_v_);
+    accept_joints_and_tools(plan.dt);
+    dissipation_.accept();
+    time_ += plan.dt;
+    last_dt_ = plan.dt;
+    motion.force_clamped = motion.force_clamped || cuts_;
+    motion.max_speed = max_free_speed();
+  }
+
+  RestThresholds rest_now(const StepPlan& plan, const Motion& /*motion*/) const {
+    const RestThresholds asked{plan.speed_at_rest, plan.acceleration_at_rest};
+    return joints_.empty() ? rest_thresholds(asked, largest_displacement())
+                           : rest_thresholds(asked, largest_displacement(), plan.omega_max);
   }
 
   void accept_joints_and_tools(double dt) {
@@ -195,8 +214,8 @@ class MirrorSolver final : public SolverBackend {
   Energy do_energy() const override { return energy_of(read(), last_dt_); }
 
   /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
-  bool move(const StepPlan& plan, Motion& motion) {
-    if (!tools_.empty()) tools_.begin_batch(1, plan.dt, last_dt_);
+  bool move_all(const StepPlan& plan, Motion& motion) {
+    if (!tools_.empty()) tools_.begin_batch(1, plan.dt);
     const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
     if (!joints_.empty()) joints_.act({u_, v_, inverse_dt, plan.stop_at_rest}, joints());
     const bool any_cut = net_forces(static_cast<float>(plan.largest_acceleration));
@@ -332,6 +351,7 @@ class MirrorSolver final : public SolverBackend {
   std::vector<Float3> u_, v_, next_u_, next_v_, force_, withheld_;
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  bool cuts_ = false;
 };
 
 }  // namespace

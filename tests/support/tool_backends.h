@@ -8,13 +8,6 @@
 
 namespace phymul::test {
 
-/// "gl" takes none.
-inline std::vector<std::string> needle_backends() {
-  std::vector<std::string> all = backend_names();
-  std::erase(all, "gl");
-  return all;
-}
-
 inline Model soft_block(const Vec3& size, int nx, int ny, int nz) {
   return with_material(make_block(size, nx, ny, nz));
 }
@@ -58,5 +51,3 @@ class WithTools : public OnEveryBackend {
 };
 
 }  // namespace phymul::test
-
-#define PHYMUL_WITH_NEEDLES(suite) PHYMUL_ON_BACKENDS(suite, ::phymul::test::needle_backends())

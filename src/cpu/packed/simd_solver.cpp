@@ -14,10 +14,9 @@
 #include "base/denormals.h"
 #include "base/thread_pool.h"
 #include "body_sleep.h"
-#include "cluster_claims.h"
+#include "clustered_passes.h"
 #include "cpu/simd/instruction_set.h"
 #include "device/float_range.h"
-#include "near_displacements.h"
 #include "packed_body.h"
 #include "packed_dissipation.h"
 #include "packed_joints.h"
@@ -27,14 +26,13 @@
 #include "packed_tools.h"
 #include "part_summary.h"
 #include "simd_profile.h"
+#include "solver/step_order.h"
 
 namespace phymul::cpu {
 namespace {
 
 /// Bytes a step above which the next step finds hardly anything in a core's own caches.
 constexpr double caches = 16e6;
-/// And above which rows that a kernel reads once come from so far that it gains by asking for them ahead.
-constexpr double near_caches = 8e6;
 
 constexpr const char* sleep_part = "sleep";  // of a snapshot
 
@@ -47,11 +45,9 @@ class SimdSolver final : public SolverBackend {
         loads_(scene(), *body_),
         pool_(body_->threads_for(options().threads, options().runner.get()), options().runner.get()),
         tools_(*body_, topology(), pool_.parts()),
-        claims_(*body_, pool_.parts()),
         summaries_(static_cast<std::size_t>(pool_.parts())),
         laps_(profiling(), *body_),
         no_laps_(nullptr, *body_),
-        rows_far_(body_->bytes_a_step() > near_caches),
         far_(body_->bytes_a_step() > caches) {
     const auto quads = 4 * (static_cast<std::size_t>(std::max(body_->places, body_->averages.slots)) + 1);
     u_.assign(quads, 0.0f);
@@ -64,9 +60,10 @@ class SimdSolver final : public SolverBackend {
       if (local_steps() != nullptr) local_.emplace(*local_steps(), *body_);
       if (!topology().dissipation.empty()) dissipation_.emplace(topology(), body_->averages);
       if (options().sleep_tolerance && !dissipation_) sleep_.emplace(topology(), *body_, options().rest_steps);
+    } else {
+      clustered_.emplace(*body_, kernels_, pool_.parts(), far_);
     }
     if (body_->gives()) pull_.assign(quads, 0.0f);
-    near_u_.assign(summaries_.size(), Floats(4 * body_->most_slots() + page, 0.0f));
     solve_stiff_joints();
     follow_scene_parts();
     begin_at_rest();
@@ -74,6 +71,8 @@ class SimdSolver final : public SolverBackend {
   }
 
  private:
+  friend StepOrder;
+
   void do_reset(const State& state) override { take(state, {}); }
 
   void do_snapshot(Snapshot& snapshot) const override {
@@ -149,45 +148,9 @@ class SimdSolver final : public SolverBackend {
 
   Motion do_step(const StepPlan& plan) override {
     const DenormalsAreZero guard;
-    Motion motion;
-    motion.steps_at_rest = steps_at_rest_;
     laps_.begin();
     if (!tools_.empty()) tools_.set().begin_call(scene(), plan.steps, plan.stop_at_rest);
-    while (motion.steps < plan.steps) {
-      motion.lost_volume = step_once(plan, motion.steps + 1 == plan.steps);
-      if (sleep_ && motion.lost_volume >= 0) sleep_->compute_all();
-      if (motion.lost_volume >= 0) break;
-      const simd::MoveSummary summary = moved();
-      motion.max_acceleration = std::sqrt(static_cast<double>(summary.acceleration));
-      motion.max_force = std::sqrt(static_cast<double>(summary.force));
-      if (summary.runaway) {
-        motion.bad_particle = first_runaway(*body_, next_u_, next_v_, plan.runaway_speed);
-        if (sleep_) sleep_->compute_all();
-        break;
-      }
-      if (sleep_) sleep_->accept();
-      if (dissipation_) dissipation_->accept();
-      if (local_) local_->forces().accept();
-      u_.swap(next_u_);
-      v_.swap(next_v_);
-      if (!tools_.empty()) tools_.accept(summary, plan.dt);
-      joints().accept();
-      time_ += plan.dt;
-      last_dt_ = plan.dt;
-      ++motion.steps;
-      motion.force_clamped = motion.force_clamped || summary.cut;
-
-      motion.max_speed = std::sqrt(static_cast<double>(summary.speed));
-      motion.max_displacement = std::sqrt(static_cast<double>(summary.displacement));
-      const RestThresholds rest =
-          rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, motion.max_displacement, plan.omega_max);
-      const bool quiet = motion.max_speed <= rest.speed && motion.max_acceleration <= rest.acceleration;
-      steps_at_rest_ = quiet ? steps_at_rest_ + 1 : 0;
-      motion.steps_at_rest = steps_at_rest_;
-      laps_.end(Work::checks);
-      laps_.end_step(!tools_.empty());
-      if (plan.stop_at_rest && steps_at_rest_ >= plan.rest_steps) break;
-    }
+    Motion motion = StepOrder::run(*this, plan);
     if (averaged_) {
       motion.strain.growth = 0.0;
       if (motion.steps == plan.steps) motion.strain = averaged_->strain(topology());
@@ -195,46 +158,110 @@ class SimdSolver final : public SolverBackend {
     return motion;
   }
 
-  /// The row of a volume that cannot be restored; -1: none.
-  int step_once(const StepPlan& plan, bool last) {
-    std::uint8_t* const changed = sleep_ ? sleep_->changed_loads() : nullptr;
-    loads_.act_at(scene(), time_, changed);
-    loads_.impose_at(scene(), time_ + plan.dt, changed);
-    simd::Move move = move_of(plan);
-    if (!tools_.empty()) tools_.ask(move);
-    if (!joints().empty()) pulled_.act(joints(), tools_.set(), topology(), plan.dt, move, changed);
-    if (sleep_) sleep_->begin(move, held_below(plan));
+  // Stages of StepOrder. The kernel that moves limits forces too, and predicts: where something touches, it runs again.
+
+  bool has_joints() { return !joints().empty(); }
+  bool has_substeps() const { return local_.has_value(); }
+  bool has_implicit_joints() { return averaged_ && stiff_joints() != nullptr && !stiff_joints()->empty(); }
+  bool touches() const { return !tools_.empty(); }
+  std::uint8_t* changed_loads() { return sleep_ ? sleep_->changed_loads() : nullptr; }
+
+  void begin(const StepPlan& plan) {
+    loads_.act_at(scene(), time_, changed_loads());
+    loads_.impose_at(scene(), time_ + plan.dt, changed_loads());
+    move_ = move_of(plan);
+    if (touches()) tools_.ask(move_);
+    pushed_ = false;
+  }
+
+  void pull_joints(const StepPlan& plan) {
+    pulled_.act(joints(), tools_.set(), topology(), plan.dt, move_, changed_loads());
+  }
+
+  void find_forces(const StepPlan& plan, bool last) {
+    if (sleep_) sleep_->begin(move_, held_below(plan));
     laps_.end(Work::loads);
-    const bool solves = stiff_joints() != nullptr && !stiff_joints()->empty();
-    if (averaged_) {
-      averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
-                     dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, last,
-                     pool_, laps_);
-      if (local_) local_->add_changes(move, scene().stiffness_factors(), bytes(force_));
-      if (solves) pulled_.solve(*stiff_joints(), joints(), scene(), plan.dt, plan.damping_factor, bytes(force_), move);
-      laps_.end(Work::averaged_forces);
-    } else {
-      clustered_forces();
+    if (clustered_) {
+      clustered_->run(bytes(u_), force_.empty() ? nullptr : bytes(force_), pull_.empty() ? nullptr : bytes(pull_),
+                      pool_, laps_, no_laps_);
+      return;
     }
-    run(move);
-    if (tools_.empty()) return -1;
-    const bool pushed = tools_.act(move, pool_, plan.dt, last_dt_, moved());
-    if (local_) local_->keep_pushes(move, pushed ? tools_.loads() : nullptr);
-    laps_.end(Work::tools);
-    if (pushed) {
-      if (sleep_) sleep_->push(tools_.pushed());
-      if (solves) {
-        pulled_.solve_pushes(*stiff_joints(), joints(), scene(), plan.dt, plan.damping_factor, move, tools_.loads());
-      }
-      move.load = tools_.loads();
-      run(move);
-    }
-    tools_.shift(next_u_.data());
-    for (const auto& shifted : tools_.shifts()) {
-      if (sleep_) sleep_->shift(shifted.first);
-    }
+    averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
+                   dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, last,
+                   pool_, laps_);
+  }
+
+  void add_substeps(const StepPlan& /*plan*/) {
+    local_->add_changes(move_, scene().stiffness_factors(), bytes(force_));
+  }
+
+  void limit(const StepPlan& /*plan*/) {}
+
+  void solve_joints(const StepPlan& plan) {
+    pulled_.solve(*stiff_joints(), joints(), scene(), plan.dt, plan.damping_factor, bytes(force_), move_);
+  }
+
+  void predict(const StepPlan& /*plan*/) {
+    if (averaged_) laps_.end(Work::averaged_forces);
+    run(move_);
+  }
+
+  /// The row of a volume that cannot be restored; -1: none.
+  int touch(const StepPlan& plan) {
+    pushed_ = tools_.act(move_, pool_, plan.dt, last_dt_, moved());
+    if (local_) local_->keep_pushes(move_, pushed_ ? tools_.loads() : nullptr);
     laps_.end(Work::tools);
     return tools_.lost_volume();
+  }
+
+  /// The first particle that ran away; -1: none.
+  Index move(const StepPlan& plan, Motion& motion) {
+    if (pushed_) {
+      if (sleep_) sleep_->push(tools_.pushed());
+      if (has_implicit_joints()) {
+        pulled_.solve_pushes(*stiff_joints(), joints(), scene(), plan.dt, plan.damping_factor, move_, tools_.loads());
+      }
+      move_.load = tools_.loads();
+      run(move_);
+    }
+    if (touches()) {
+      tools_.shift(next_u_.data());
+      for (const auto& shifted : tools_.shifts()) {
+        if (sleep_) sleep_->shift(shifted.first);
+      }
+      laps_.end(Work::tools);
+    }
+    summary_ = moved();
+    motion.max_acceleration = std::sqrt(static_cast<double>(summary_.acceleration));
+    motion.max_force = std::sqrt(static_cast<double>(summary_.force));
+    return summary_.runaway ? first_runaway(*body_, next_u_, next_v_, plan.runaway_speed) : -1;
+  }
+
+  int& steps_at_rest() { return steps_at_rest_; }
+
+  void drop_step() {
+    if (sleep_) sleep_->compute_all();
+  }
+
+  void accept(const StepPlan& plan, Motion& motion) {
+    if (sleep_) sleep_->accept();
+    if (dissipation_) dissipation_->accept();
+    if (local_) local_->forces().accept();
+    u_.swap(next_u_);
+    v_.swap(next_v_);
+    if (touches()) tools_.accept(summary_, plan.dt);
+    joints().accept();
+    time_ += plan.dt;
+    last_dt_ = plan.dt;
+    motion.force_clamped = motion.force_clamped || summary_.cut;
+    motion.max_speed = std::sqrt(static_cast<double>(summary_.speed));
+    motion.max_displacement = std::sqrt(static_cast<double>(summary_.displacement));
+    laps_.end(Work::checks);
+    laps_.end_step(touches());
+  }
+
+  static RestThresholds rest_now(const StepPlan& plan, const Motion& motion) {
+    return rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, motion.max_displacement, plan.omega_max);
   }
 
   simd::MoveSummary moved() const { return sleep_ ? sleep_->summary() : summary_of(summaries_); }
@@ -257,50 +284,6 @@ class SimdSolver final : public SolverBackend {
       kernels_.move(move, bound(part), bound(part + 1), summaries_[part].summary);
     });
     laps_.end(Work::move);
-  }
-
-  void clustered_forces() {
-    claims_.begin();
-    pool_.run([this](int part, int) {
-      const DenormalsAreZero guard;
-      for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) elastic_forces_of(c, part);
-    });
-    laps_.end(Work::waiting);
-  }
-
-  void elastic_forces_of(int c, int part) {
-    WorkLaps& laps = part == 0 ? laps_ : no_laps_;  // part 0 is the calling thread; the others write nothing
-    const Cluster& cluster = body_->clusters[c];
-    simd::Job job = cluster.job;
-    if (body_->gives()) job.pull = bytes(pull_) + 16 * static_cast<std::size_t>(cluster.first);
-    if (!force_.empty()) {
-      job.force = bytes(force_) + 16 * cluster.force_first;
-      std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
-    }
-    job.rows_far = rows_far_;
-    job.far = far_;
-    job.u = near_displacements(cluster, bytes(u_),
-                               half_a_page_from(job.force ? job.force : job.pull, bytes(near_u_[part])));
-    if (far_ && c + 1 < static_cast<int>(body_->clusters.size())) {
-      ask_for_displacements(body_->clusters[c + 1], bytes(u_));
-    }
-    laps.end(Work::gathering);
-    if (job.bases.count > 0) {
-      kernels_.bases[static_cast<int>(body_->use)][body_->plane](job);
-      laps.end(Work::bases);
-    }
-    if (job.enumerated.count > 0) {
-      kernels_.enumerated[body_->use == simd::BaseUse::averaged](job);
-      laps.end(Work::enumerated_bases);
-    }
-    if (job.springs.count > 0) {
-      kernels_.springs(job);
-      laps.end(Work::springs);
-    }
-    if (job.volumes.count > 0) {
-      kernels_.volumes[body_->plane][body_->bounded](job);
-      laps.end(Work::volumes);
-    }
   }
 
   simd::Move move_of(const StepPlan& plan) {
@@ -370,19 +353,22 @@ class SimdSolver final : public SolverBackend {
   ThreadPool pool_;
   PackedTools tools_;
   PackedJoints pulled_;
-  ClusterClaims claims_;
-  std::optional<AveragedPasses> averaged_;  // of Law::particle_averaged
-  std::optional<PackedLocalSteps> local_;   // of it
+  std::optional<ClusteredPasses> clustered_;  // of any other law
+  std::optional<AveragedPasses> averaged_;    // of Law::particle_averaged
+  std::optional<PackedLocalSteps> local_;     // of it
   std::optional<BodySleep> sleep_;
   std::optional<PackedDissipation> dissipation_;
   std::vector<PartSummary> summaries_;  // [parts]
   Floats u_, v_, next_u_, next_v_;      // u: [places + 1][4] by quad, v: [slices][3][lanes]
   Floats force_, pull_;
-  std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
+  // Of the step in question.
+  simd::Move move_;
+  simd::MoveSummary summary_;
+  bool pushed_ = false;
   WorkLaps laps_, no_laps_;
-  const bool rows_far_, far_;
+  const bool far_;
 };
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "gl/solver/contact_constants.h"
 
 namespace phymul::gl {
 namespace {
@@ -27,6 +26,25 @@ void require_turns(std::int64_t particles, std::int64_t triangles, std::int64_t 
                   " turns of a shader's loops, half of where this renderer breaks off, got up to " +
                   std::to_string(turns) + " for surfaces of " + std::to_string(particles) + " particles and " +
                   std::to_string(triangles) + " triangles; use the backend \"cpu\"");
+}
+
+/// The uniforms of contact_law.glsl, contact_nearest.glsl and contact_range.glsl.
+void note_constants(const FloatContacts& contacts, StorageRows& rows) {
+  const auto real = [&rows](const char* name, double value) { rows.note(name, static_cast<float>(value)); };
+  rows.note("surface_count", static_cast<int>(contacts.particle.size()));
+  rows.note("body_count", static_cast<int>(contacts.bodies));
+  rows.note("rounds", contacts.options.rounds);
+  rows.note("touches_itself", contacts.options.self ? 1 : 0);
+  real("friction", contacts.options.friction);
+  real("skin", contacts.options.margin);
+  real("facing_share", ContactSurface::facing_share);
+  real("usual_skin", ContactSurface::usual_skin);
+  real("skin_factor", ContactSurface::skin_factor);
+  real("depth_factor", ContactSurface::depth_factor);
+  real("parted_share", ContactSurface::parted_share);
+  real("largest_parting", ContactSurface::largest_parting);
+  real("longest_edge", contacts.longest_edge);
+  real("largest_skins", contacts.largest_skins());
 }
 
 }  // namespace
@@ -76,7 +94,7 @@ ComputeContacts::ComputeContacts(const FloatContacts& contacts, const ComputeTab
   rows.take_words("turn_list", particles_);
   rows.note("triangle_count", static_cast<int>(triangles_));
   rows.note("bucket_count", static_cast<int>(count));
-  ContactConstants(contacts).for_each([&rows](const char* name, auto value) { rows.note(name, value); });
+  note_constants(contacts, rows);
   if (4 * rows.end() > std::numeric_limits<int>::max()) {
     throw Error(ErrorCode::not_supported, "contacts of " + std::to_string(particles_) +
                                               " particles of the surfaces of " + std::to_string(bodies_) +

@@ -8,15 +8,15 @@
 namespace phymul::gl {
 
 std::unique_ptr<Device> make_compute_device(FloatTables tables, const TopologyTextures& topology, const Scene& scene,
-                                            const FloatTools& tools, const ShaderLibrary& library,
+                                            const FloatTools& tools, bool on_host, const ShaderLibrary& library,
                                             std::vector<Index>& domains) {
   SliceTables slices = pack_slices(std::move(tables), topology);
-  auto device = std::make_unique<ComputeDevice>(slices, scene, tools, library);
+  auto device = std::make_unique<ComputeDevice>(slices, scene, tools, on_host, library);
   domains = std::move(slices.rows.domains.source);
   return device;
 }
 
-ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools,
+ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools, bool on_host,
                              const ShaderLibrary& library, const ComputeLimits& limits)
     : library_(library),
       limits_(limits),
@@ -24,7 +24,7 @@ ComputeDevice::ComputeDevice(const SliceTables& slices, const Scene& scene, cons
       passes_(tables_, library_, limits_),
       state_(tables_, limits_),
       report_(library_, passes_, state_, limits_) {
-  set_scene(scene, tools);
+  set_scene(scene, tools, on_host);
   begin_batch({.dt = 1.0}, {0.0, 1.0}, tools);
   try_step(1);
 }
@@ -35,8 +35,8 @@ void ComputeDevice::bind() const {
   loads_->bind();
 }
 
-void ComputeDevice::set_scene(const Scene& scene, const FloatTools& tools) {
-  auto loads = std::make_unique<ComputeLoads>(scene, most_steps + 1, tools, tables_, limits_);
+void ComputeDevice::set_scene(const Scene& scene, const FloatTools& tools, bool on_host) {
+  auto loads = std::make_unique<ComputeLoads>(scene, most_steps + 1, tools, on_host, tables_, limits_);
   passes_.set_loads(*loads, state_);
   loads_ = std::move(loads);
 }
@@ -46,27 +46,13 @@ void ComputeDevice::begin_batch(const StepConstants& constants, const std::vecto
   loads_->evaluate(instants);
   loads_->set_frames(tools);
   passes_.set_constants(constants);
+  if (loads_->open()) loads_->open()->set_pushes({}, loads_->rows());
   state_.set_checkpoint();
-  if (const ComputeNeedles* const needles = loads_->needles()) needles->set_checkpoint();
-  batch_was_run_ = false;
-}
-
-void ComputeDevice::write_needles(const FloatTools& tools) {
-  if (loads_->needles()) loads_->needles()->write(tools);
-}
-
-void ComputeDevice::read_needles(FloatTools& tools) {
-  if (loads_->needles()) loads_->needles()->read(tools);
 }
 
 void ComputeDevice::run(int count) {
   bind();
   state_.go_back();
-  if (ComputeNeedles* const needles = loads_->needles()) {
-    needles->go_back();
-    if (batch_was_run_) needles->uncouple();  // another hole may have been begun in what is taken back
-  }
-  batch_was_run_ = true;
   for (int step = 1; step <= count; ++step) {
     passes_.step(state_, step, step == count);
     state_.advance();
@@ -75,20 +61,31 @@ void ComputeDevice::run(int count) {
 
 BatchReport ComputeDevice::try_step(int number) {
   bind();
-  ComputeNeedles* const needles = loads_->needles();
-  if (needles) needles->begin_trial();
   passes_.step(state_, number, true);
-  const BatchReport report = report_.read(state_, state_.free_pair(), *loads_);
-  if (needles) {
-    needles->end_trial();
-    needles->uncouple();
-  }
-  return report;
+  return report_.read(state_, state_.free_pair(), *loads_);
 }
 
 BatchReport ComputeDevice::report() {
   bind();
   return report_.read(state_, state_.current(), *loads_);
+}
+
+void ComputeDevice::open_step() {
+  bind();
+  passes_.open(state_, 1, true);
+}
+
+void ComputeDevice::gather(std::span<const Index> rows) {
+  bind();
+  loads_->open()->set_gathered(rows, loads_->rows());
+  passes_.gather(state_);
+}
+
+void ComputeDevice::close_step(std::span<const Push> pushes) {
+  bind();
+  loads_->open()->set_pushes(pushes, loads_->rows());
+  passes_.close(state_, 1, true);
+  state_.advance();
 }
 
 /// Rows in the model's order, sent from a buffer to a texture without the host.

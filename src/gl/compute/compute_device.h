@@ -13,13 +13,11 @@ namespace phymul::gl {
 class ComputeDevice final : public Device {
  public:
   /// Compiles, uploads, and dispatches every pass of a step once, as drivers compile at first use.
-  ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools, const ShaderLibrary& library,
-                const ComputeLimits& limits = ComputeLimits::of_context());
+  ComputeDevice(const SliceTables& slices, const Scene& scene, const FloatTools& tools, bool on_host,
+                const ShaderLibrary& library, const ComputeLimits& limits = ComputeLimits::of_context());
 
-  void set_scene(const Scene& scene, const FloatTools& tools) override;
+  void set_scene(const Scene& scene, const FloatTools& tools, bool on_host) override;
   void set_held(const FloatTools& tools) override { loads_->set_held(tools); }
-  void write_needles(const FloatTools& tools) override;
-  void read_needles(FloatTools& tools) override;
   void set_dissipation(std::span<const Float4> constants) override { state_.set_dissipation(constants); }
   void write_strains(std::span<const Float4> rows) override { state_.write_strains(rows); }
   std::vector<Float4> read_strains() override { return state_.read_strains(); }
@@ -32,6 +30,12 @@ class ComputeDevice final : public Device {
   void run(int count) override;
   BatchReport try_step(int number) override;
   BatchReport report() override;
+  void open_step() override;
+  void gather(std::span<const Index> rows) override;
+  double fastest() override { return report().max_speed; }
+  void read_gathered(std::span<OpenRow> rows) override { loads_->open()->read(rows, loads_->rows()); }
+  void close_step(std::span<const Push> pushes) override;
+  void go_back() override { state_.go_back(); }
   std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
   void request_copy(const State& header) override { state_.request_copy(copies_, header); }
   bool collect_copy(const VecList& rest, State& state) override {
@@ -51,7 +55,6 @@ class ComputeDevice final : public Device {
   ComputePasses passes_;
   ComputeState state_;
   std::unique_ptr<ComputeLoads> loads_;
-  bool batch_was_run_ = false;  // since begin_batch()
   ComputeReport report_;
   StateCopies copies_;
   Kernel show_;

@@ -5,8 +5,8 @@
 
 namespace phymul::gl {
 
-ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& tools, const ComputeTables& tables,
-                           const ComputeLimits& limits)
+ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& tools, bool on_host,
+                           const ComputeTables& tables, const ComputeLimits& limits)
     : table_(scene, instants, tables.materials()), gravity_row_(rows_.take("gravity_place", instants)) {
   if (kind().any()) {
     rows_.add("load_index_place", tables.by_place(table_.index()));
@@ -17,26 +17,24 @@ ComputeLoads::ComputeLoads(const Scene& scene, int instants, const FloatTools& t
   if (kind().scaled) {
     factors_row_ = rows_.take("stiffness_factor_place", static_cast<std::int64_t>((table_.factors().size() + 3) / 4));
   }
-  const FloatVolumes volumes = pack_volumes(scene);
+  FloatJoints joints(scene, tools.middle());
+  const FloatVolumes volumes = on_host ? FloatVolumes() : pack_volumes(scene);
   std::optional<FloatContacts> touching;
-  if (scene.contacts()) touching.emplace(scene);
-  const bool touches = touching && !touching->empty(), pierces = tools.needle_count() > 0;
-  if (!tools.empty()) tools_.emplace(tools, tables, rows_);
-  if (FloatSurfaces surfaces = pack_surfaces(scene); !surfaces.empty()) {
-    surfaces_.emplace(std::move(surfaces), tables, rows_);
-  }
+  if (scene.contacts() && !on_host) touching.emplace(scene);
+  const bool touches = touching && !touching->empty();
+  if (on_host ? !joints.empty() && joints.any_tool() : !tools.empty()) tools_.emplace(tools, !on_host, tables, rows_);
   if (!volumes.empty()) volumes_.emplace(volumes, tables, rows_);
-  if (FloatJoints joints(scene, tools.middle()); !joints.empty()) joints_.emplace(std::move(joints), tables, rows_);
-  if (touches || pierces || surfaces_) {  // pushed_tables.glsl
+  if (!joints.empty()) joints_.emplace(std::move(joints), tables, rows_);
+  if (touches || on_host) {  // pushed_tables.glsl
     for (const char* name : {"pushed_force_place", "free_velocity_place", "pushed_shift_place"}) {
       rows_.take(name, tables.places());
     }
     rows_.note("place_count", tables.places());
   }
   if (touches) contacts_.emplace(*touching, tables, limits, rows_);
+  if (on_host) open_.emplace(tables, rows_);
   buffer_ = StorageBuffer(rows_.end(), "the scene's loads, tools, kept volumes, joints and contacts", limits);
   rows_.send(buffer_);
-  if (pierces) needles_.emplace(FloatNeedles(scene), tools, tables, limits);
 }
 
 void ComputeLoads::evaluate(const std::vector<double>& instants) {
@@ -51,7 +49,6 @@ void ComputeLoads::evaluate(const std::vector<double>& instants) {
 
 void ComputeLoads::set_frames(const FloatTools& tools) {
   if (tools_) tools_->write_frames(tools, buffer_);
-  if (surfaces_) surfaces_->set_frames(tools);
 }
 
 void ComputeLoads::write_joints(std::span<const Float4> rows, int pair) {
@@ -66,7 +63,6 @@ std::vector<Float4> ComputeLoads::read_joints(int pair) const {
 
 void ComputeLoads::set_held(const FloatTools& tools) {
   if (tools_) tools_->write_held(tools, buffer_);
-  if (needles_) needles_->uncouple();
 }
 
 }  // namespace phymul::gl

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
 // What a scene does to a body, in a storage buffer: gravity per instant, loads, tools, the volumes it keeps, where a
-// step is open between its forces and its motion, and what touches. Its needles in another.
+// step is open between its forces and its motion, and what touches.
 #pragma once
 
 #include <optional>
 
 #include "compute_contacts.h"
 #include "compute_joints.h"
-#include "compute_needles.h"
-#include "compute_surfaces.h"
+#include "compute_open_step.h"
 #include "compute_tools.h"
 #include "compute_volumes.h"
 #include "gl/solver/load_table.h"
@@ -18,18 +17,18 @@ namespace phymul::gl {
 
 class ComputeLoads {
  public:
-  /// Room for the values of as many instants.
-  ComputeLoads(const Scene& scene, int instants, const FloatTools& tools, const ComputeTables& tables,
+  /// Room for the values of as many instants. `on_host`: tools, contacts and kept volumes act there.
+  ComputeLoads(const Scene& scene, int instants, const FloatTools& tools, bool on_host, const ComputeTables& tables,
                const ComputeLimits& limits);
 
   const LoadKind& kind() const { return table_.kind(); }
-  const ComputeTools* tools() const { return tools_ ? &*tools_ : nullptr; }              ///< null where there are none
-  const ComputeSurfaces* surfaces() const { return surfaces_ ? &*surfaces_ : nullptr; }  ///< likewise
-  const ComputeVolumes* volumes() const { return volumes_ ? &*volumes_ : nullptr; }      ///< likewise
-  const ComputeContacts* contacts() const { return contacts_ ? &*contacts_ : nullptr; }  ///< likewise
-  const ComputeJoints* joints() const { return joints_ ? &*joints_ : nullptr; }          ///< likewise
-  ComputeNeedles* needles() { return needles_ ? &*needles_ : nullptr; }                  ///< likewise
-  const ComputeNeedles* needles() const { return needles_ ? &*needles_ : nullptr; }
+  // Null where there are none, or act on the host.
+  const ComputeTools* tools() const { return tools_ && tools_->act() ? &*tools_ : nullptr; }
+  const ComputeVolumes* volumes() const { return volumes_ ? &*volumes_ : nullptr; }
+  const ComputeContacts* contacts() const { return contacts_ ? &*contacts_ : nullptr; }
+  const ComputeJoints* joints() const { return joints_ ? &*joints_ : nullptr; }
+  ComputeOpenStep* open() { return open_ ? &*open_ : nullptr; }  ///< null where nothing acts on the host
+  const ComputeOpenStep* open() const { return open_ ? &*open_ : nullptr; }
 
   /// Takes over the values at these instants.
   void evaluate(const std::vector<double>& instants);
@@ -40,17 +39,17 @@ class ComputeLoads {
   void bind() const { buffer_.bind(loads_binding); }
   void place(Kernel& kernel) const { rows_.place(kernel); }
   const StorageBuffer& rows() const { return buffer_; }
+  StorageBuffer& rows() { return buffer_; }
 
  private:
   LoadTable table_;
   StorageRows rows_;
   std::int64_t gravity_row_, values_row_ = 0, factors_row_ = 0;
   std::optional<ComputeTools> tools_;
-  std::optional<ComputeSurfaces> surfaces_;
   std::optional<ComputeVolumes> volumes_;
   std::optional<ComputeJoints> joints_;
   std::optional<ComputeContacts> contacts_;
-  std::optional<ComputeNeedles> needles_;
+  std::optional<ComputeOpenStep> open_;
   StorageBuffer buffer_;
 };
 

@@ -99,13 +99,13 @@ ShaderRequest ComputePasses::pushing(const StepKind& step) const {
   ShaderRequest request = gathering(step);
   define(request, "CUT");
   define(request, "PUSHES");
+  define(request, "HOST_STEP", step.on_host);
   append(request, {"tools/pushed_tables.glsl"});
   return request;
 }
 
 void ComputePasses::add_tools(const StepKind& step, ShaderRequest& request) const {
   define_tools(step.grids, request);
-  define(request, "HOLDS_ONLY", step.holds_first());
   append(request, tool_files());
   append(request, {"tools/tell_tools.glsl"});
 }
@@ -114,7 +114,9 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
   ShaderRequest request = gathering(step);
   define(request, "CUT");
   define(request, "PUSHED", step.pushes());
+  define(request, "HOST_STEP", step.on_host);
   if (step.pushes()) append(request, {"tools/pushed_tables.glsl"});
+  if (step.on_host) append(request, {"step/host_pushes.glsl"});
   if (step.tools && !step.pushes()) add_tools(step, request);
   append(request, {"report/measure_step.glsl"});
   if (step.volumes && step.tools && step.pushes()) {  // what tools hold, volumes leave
@@ -132,28 +134,15 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
 
 Kernel ComputePasses::freeing(const StepKind& step, const ComputeState& state) const {
   ShaderRequest request = pushing(step);
-  if (step.tools && (step.contacts || step.presses || step.surfaces)) add_tools(step, request);
-  append(request, {"step/free_kernel.glsl"});
+  if (step.tools) add_tools(step, request);
+  append(request, {"step/free_pass.glsl", "step/free_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
 }
 
-Kernel ComputePasses::pressing(const StepKind& step, const ComputeState& state) const {
-  ShaderRequest request = pushing(step);
-  add_tools(step, request);
-  append(request, {"tools/press_kernel.glsl"});
+Kernel ComputePasses::gathering_rows(const ComputeState& state) const {
+  ShaderRequest request{.files = common, .defines = {{"PUSHES", 1}}};
+  append(request, {"tools/pushed_tables.glsl", "step/gather_pass.glsl", "step/gather_kernel.glsl"});
   return compiled(std::move(request), lanes, state);
-}
-
-SurfacePasses ComputePasses::touching(const StepKind& step, const ComputeState& state) const {
-  return SurfacePasses([&](const ShaderFiles& files, const char* name) {
-    ShaderRequest request = pushing(step);
-    define(request, name);
-    add_tools(step, request);
-    append(request, {"tools/surface_tables.glsl"});
-    append(request, files);
-    append(request, {"tools/surface_kernel.glsl"});
-    return compiled(std::move(request), lanes, state);
-  });
 }
 
 Kernel ComputePasses::pulling(const StepKind& step, const ComputeState& state) const {
@@ -186,8 +175,7 @@ ComputePasses::Stepping ComputePasses::compiled(const StepKind& kind, const Comp
   made.kind = kind;
   made.step = stepping(kind, state);
   if (kind.pushes()) made.free = freeing(kind, state);
-  if (kind.presses) made.press = pressing(kind, state);
-  if (kind.surfaces) made.surfaces = touching(kind, state);
+  if (kind.on_host) made.gather = gathering_rows(state);
   if (kind.loads.joints) made.joints = pulling(kind, state);
   if (kind.volumes) {
     made.keep_sums = keep_summing(state);
@@ -196,28 +184,21 @@ ComputePasses::Stepping ComputePasses::compiled(const StepKind& kind, const Comp
   return made;
 }
 
-void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& state) {
+void ComputePasses::set_loads(ComputeLoads& loads, const ComputeState& state) {
   const ComputeTools* const tools = loads.tools();
-  const bool touching = loads.contacts() != nullptr, piercing = loads.needles() != nullptr,
-             on_surfaces = loads.surfaces() != nullptr;
+  const bool touching = loads.contacts() != nullptr;
   const StepKind kind{.loads = loads.kind(),
                       .tools = tools != nullptr,
                       .grids = tools && tools->any_grid(),
                       .contacts = touching,
                       .volumes = loads.volumes() != nullptr,
-                      .needles = piercing,
-                      .surfaces = on_surfaces,
-                      .presses = (piercing || on_surfaces) && tools->presses_particles(),
+                      .on_host = loads.open() != nullptr,
                       .joints_on_tools = loads.joints() && loads.joints()->any_tool()};
   std::vector<Terms>& terms = kind.loads.scaled ? scaled_terms_ : terms_;
   if (terms.empty()) terms = compiled_terms(kind.loads.scaled, state);
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind, state));
   if (touching && !contacts_) contacts_.emplace(*library_, *tables_, limits_);
-  if (piercing && (!needles_ || needles_->bending() != loads.needles()->any_bends())) {
-    NeedlePasses made(*library_, *tables_, limits_, loads.needles()->any_bends());
-    needles_ = std::move(made);  // those of before stay where these cannot be made
-  }
   now_ = &*found;
   loads_ = &loads;
   terms_now_ = &terms;
@@ -225,7 +206,6 @@ void ComputePasses::set_loads(const ComputeLoads& loads, const ComputeState& sta
     for (Terms& scaled : terms) loads.place(scaled.kernel);
   }
   now_->for_each([&](Kernel& kernel) { loads.place(kernel); });
-  if (piercing) needles_->set_needles(loads);
   if (touching) contacts_->set_contacts(loads);
 }
 
@@ -243,7 +223,6 @@ void ComputePasses::set_constants(const StepConstants& constants) {
   });
   dt_ = constants.dt;
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
-  if (now_->kind.needles) needles_->set_step(constants.dt);
   if (now_->kind.contacts) contacts_->set_step(constants.dt);
 }
 
@@ -268,37 +247,27 @@ void ComputePasses::dispatch_terms(const ComputeState& state, int number) {
   }
 }
 
-/// What pushes particles between forces and motion comes in the order of ToolSet::act and Touching of src/cpu.
-void ComputePasses::step(const ComputeState& state, int number, bool measuring) {
+/// What pushes particles between forces and motion comes in the order of ToolSet::act and Touching of src/interaction.
+void ComputePasses::open(const ComputeState& state, int number, bool measuring) {
   dispatch_terms(state, number);
   if (loads_->joints()) pull(state, number);
-  const StepKind& kind = now_->kind;
-  if (kind.pushes()) run(now_->free, state, number, measuring);
-  if (kind.needles) needles_->act(number, state.current());
-  if (kind.presses || kind.surfaces) press(state, number, measuring);
-  if (kind.contacts) contacts_->act(state.current());
-  run(now_->step, state, number, measuring);
-  if (kind.volumes) keep(state, number);
+  if (now_->kind.pushes()) run(now_->free, state, number, measuring);
+  if (now_->kind.contacts) contacts_->act(state.current());
 }
 
-/// One tool after another; those on particles that follow each other in one dispatch.
-void ComputePasses::press(const ComputeState& state, int number, bool measuring) const {
-  const ComputeSurfaces* const surfaces = loads_->surfaces();
-  const int count = loads_->tools()->count();
-  for (int tool = 0; tool < count;) {
-    if (surfaces && surfaces->is_one(tool)) {
-      now_->surfaces.act(*surfaces, tool++, tables_->kind().particles, {number, state.current(), measuring});
-      continue;
-    }
-    int end = tool + 1;
-    while (end < count && !(surfaces && surfaces->is_one(end))) ++end;
-    if (now_->kind.presses) {
-      now_->press.set("first_tool", tool);
-      now_->press.set("end_tool", end);
-      run(now_->press, state, number, measuring);
-    }
-    tool = end;
-  }
+void ComputePasses::gather(const ComputeState& state) {
+  const ComputeOpenStep& open = *loads_->open();
+  if (open.asked_count() == 0) return;
+  now_->gather.set("pair", state.current());
+  now_->gather.set("gather_count", open.asked_count());
+  now_->gather.set("gathered_place", open.gathered_row());
+  now_->gather.dispatch(now_->gather.groups_for(open.asked_count()));
+}
+
+void ComputePasses::close(const ComputeState& state, int number, bool measuring) {
+  if (loads_->open()) now_->step.set("push_count", loads_->open()->push_count());
+  run(now_->step, state, number, measuring);
+  if (now_->kind.volumes) keep(state, number);
 }
 
 void ComputePasses::pull(const ComputeState& state, int number) const {

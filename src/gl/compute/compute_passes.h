@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // The passes of a step, dispatched: forces of attractors, terms of bases, volumes and domains in one dispatch (bases of
-// the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch or
-// needles are, another one before it finds where each particle would go by itself, then come the passes of
-// needle_passes.h, of other tools where there are needles or some touch surfaces (surface_passes.h), and of
-// contact_passes.h, and the last one ends what those began. Where the scene keeps volumes, sums over their facets and
-// the end of the step are two dispatches more behind it, or three.
+// the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch or the
+// host acts, another one before it finds where each particle would go by itself and by tools; then the host does its
+// part, or come the passes of contact_passes.h, and the last one ends what those began. Where the device keeps volumes,
+// sums over their facets and the end of the step are two dispatches more behind it, or three.
 #pragma once
 
 #include <deque>
@@ -16,8 +15,6 @@
 #include "compute_state.h"
 #include "contact_passes.h"
 #include "gl/solver/device.h"
-#include "needle_passes.h"
-#include "surface_passes.h"
 
 namespace phymul::gl {
 
@@ -29,13 +26,20 @@ class ComputePasses {
   const ComputeTables& tables() const { return *tables_; }
 
   /// Compiles what these loads need, where it is not there yet.
-  void set_loads(const ComputeLoads& loads, const ComputeState& state);
+  void set_loads(ComputeLoads& loads, const ComputeState& state);
   /// Before steps of a call.
   void set_constants(const StepConstants& constants);
 
   /// Step `number` of a batch from the current state to the free pair; `measuring`: what a report tells of the last
   /// one. Does not advance the state.
-  void step(const ComputeState& state, int number, bool measuring);
+  void step(const ComputeState& state, int number, bool measuring) {
+    open(state, number, measuring);
+    close(state, number, measuring);
+  }
+  // Its halves, between which the host may act; gather() too, where it does.
+  void open(const ComputeState& state, int number, bool measuring);
+  void gather(const ComputeState& state);
+  void close(const ComputeState& state, int number, bool measuring);
 
   /// A kernel over the body's tables, that knows where everything is.
   Kernel compiled(ShaderRequest request, int group, const ComputeState& state) const;
@@ -43,29 +47,24 @@ class ComputePasses {
  private:
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false, contacts = false, volumes = false;
-    bool needles = false, surfaces = false;
-    bool presses = false;  // there are tools beside those
+    bool tools = false, grids = false, contacts = false, volumes = false, on_host = false;
     bool joints_on_tools = false;
-    bool pushes() const { return contacts || needles || surfaces; }
-    bool holds_first() const { return needles || surfaces; }  // and presses later
+    bool pushes() const { return contacts || on_host; }
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
     StepKind kind;
     Kernel step;
     Kernel free;                 // where something pushes: the step before its impulses; `step` then does the rest
-    Kernel press;                // what tools push on particles, where some do not
-    SurfacePasses surfaces;      // where tools touch surfaces
+    Kernel gather;               // where the host acts
     Kernel keep_sums, keep_end;  // where volumes are kept, behind it
     Kernel joints;               // where there are some: their forces
     /// Of those that there are.
     template <class Function>
     void for_each(Function&& function) {
-      for (Kernel* const kernel : {&step, &free, &press, &keep_sums, &keep_end, &joints}) {
+      for (Kernel* const kernel : {&step, &free, &gather, &keep_sums, &keep_end, &joints}) {
         if (*kernel) function(*kernel);
       }
-      surfaces.for_each(function);
     }
   };
   struct Terms {
@@ -85,14 +84,12 @@ class ComputePasses {
   Stepping compiled(const StepKind& kind, const ComputeState& state) const;
   Kernel stepping(const StepKind& step, const ComputeState& state) const;
   Kernel freeing(const StepKind& step, const ComputeState& state) const;
-  Kernel pressing(const StepKind& step, const ComputeState& state) const;
-  SurfacePasses touching(const StepKind& step, const ComputeState& state) const;
+  Kernel gathering_rows(const ComputeState& state) const;
   Kernel pulling(const StepKind& step, const ComputeState& state) const;
   Kernel keep_summing(const ComputeState& state) const;
   Kernel keep_ending(const StepKind& step, const ComputeState& state) const;
   void dispatch_terms(const ComputeState& state, int number);
   void run(Kernel& kernel, const ComputeState& state, int number, bool measuring) const;
-  void press(const ComputeState& state, int number, bool measuring) const;
   void pull(const ComputeState& state, int number) const;
   void keep(const ComputeState& state, int number) const;
 
@@ -104,9 +101,8 @@ class ComputePasses {
   double dt_ = 0.0, last_dt_ = 0.0;  // s; StepConstants
   std::deque<Stepping> stepping_;    // whose addresses stay
   Stepping* now_ = nullptr;
-  const ComputeLoads* loads_ = nullptr;    // that now_ is for
+  ComputeLoads* loads_ = nullptr;          // that now_ is for
   std::optional<ContactPasses> contacts_;  // once there were some
-  std::optional<NeedlePasses> needles_;    // likewise
 };
 
 }  // namespace phymul::gl

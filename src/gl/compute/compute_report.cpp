@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <tuple>
 #include <utility>
 
 namespace phymul::gl {
@@ -52,7 +51,6 @@ void ComputeReport::sum_tools(const ComputeTools& tools) {
 BatchReport ComputeReport::read(const ComputeState& state, int pair, const ComputeLoads& loads) {
   const ComputeTools* const tools = loads.tools();
   const ComputeVolumes* const volumes = loads.volumes();
-  const ComputeNeedles* const needles = loads.needles();
   if (tools) sum_tools(*tools);
   const int last = state.report_row() + 2 * ComputeState::most_report_groups;
   const int partial = groups_ > 1 ? state.report_row() : last;
@@ -68,7 +66,7 @@ BatchReport ComputeReport::read(const ComputeState& state, int pair, const Compu
     kernel_.dispatch(1);
   }
   const std::int64_t tool_rows = tools ? 4 * tools->count() : 0, volume_rows = volumes ? volumes->count() : 0;
-  BatchReport report = copy_.read(tool_rows + volume_rows + (needles ? needles->told_rows() : 0), [&] {
+  BatchReport report = copy_.read(tool_rows + volume_rows, [&] {
     std::int64_t to = 0;
     const auto copy = [&to](const StorageBuffer& from, std::int64_t row, std::int64_t rows) {
       from.copy(row, rows, GL_PIXEL_PACK_BUFFER, 16 * to);
@@ -77,21 +75,14 @@ BatchReport ComputeReport::read(const ComputeState& state, int pair, const Compu
     copy(state.rows(), last, 2);
     if (tools) copy(loads.rows(), tools->total_row(), tool_rows);
     if (volumes) copy(loads.rows(), volumes->roots_row(), volume_rows);
-    if (needles) needles->copy_told(16 * to);
   });
   const std::span<const Float4> more(copy_.more());
   tool_sums_.resize(static_cast<std::size_t>(tool_rows / 4));
   for (std::size_t tool = 0; tool < tool_sums_.size(); ++tool) {
     const Float4* const rows = &more[4 * tool];
-    ToolSums& sums = tool_sums_[tool];  // whose shaft stays
-    std::tie(sums.force, sums.torque, sums.last_force, sums.last_torque) = std::tie(rows[0], rows[1], rows[2], rows[3]);
+    tool_sums_[tool] = {rows[0], rows[1], rows[2], rows[3]};
   }
   report.see_volumes(more.subspan(static_cast<std::size_t>(tool_rows), static_cast<std::size_t>(volume_rows)));
-  if (needles) {
-    const auto told = needles->take(more.subspan(static_cast<std::size_t>(tool_rows + volume_rows)), tool_sums_);
-    report.full_step = told.full_step;
-    report.full_needle = told.tool;
-  }
   return report;
 }
 

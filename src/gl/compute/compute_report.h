@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a batch of steps has to tell, brought down to two rows, to four for each tool and one for each kept volume, and
-// how needles stand: one small read instead of the state.
+// What a batch of steps has to tell, brought down to two rows, to four for each tool and one for each kept volume: one
+// small read instead of the state.
 #pragma once
 
 #include "compute_passes.h"

@@ -3,23 +3,19 @@
 
 namespace phymul::gl {
 
-ComputeTools::ComputeTools(const FloatTools& tools, const ComputeTables& tables, StorageRows& rows)
+ComputeTools::ComputeTools(const FloatTools& tools, bool acts, const ComputeTables& tables, StorageRows& rows)
     : tables_(&tables),
       count_(tools.count()),
-      needle_count_(tools.needle_count()),
-      surface_count_(tools.surface_count()),
-      any_grid_(tools.any_grid()),
+      acts_(acts),
+      any_grid_(acts && tools.any_grid()),
       frames_row_(rows.take("tool_frames_place", static_cast<std::int64_t>(tools.most_frames()))),
       held_row_(rows.add("tool_held_place", tables.by_place(tools.held()))) {
+  rows.note("tool_count", count_);
+  if (!acts_) return;
   rows.add("tool_laws_place", tools.laws());
   rows.add("tool_rest_place", tables.by_place(tools.rest(), FloatTools::rest_rows));
   rows.add("tool_grid_place", tools.grid_values());
-  rows.note("tool_count", count_);
-  // A needle tells of itself in the rows of the first place, and of the others nobody.
-  const std::int64_t sums = std::int64_t{4} * tables.places() * count_;
-  sums_row_ = needle_count_ == 0
-                  ? rows.take("tool_sums_place", sums)
-                  : rows.add("tool_sums_place", std::vector<Float4>(static_cast<std::size_t>(sums), Float4{}));
+  sums_row_ = rows.take("tool_sums_place", std::int64_t{4} * tables.places() * count_);
   parts_row_ = rows.take({}, std::int64_t{4} * most_parts * count_);
   total_row_ = rows.take({}, std::int64_t{4} * count_);
 }

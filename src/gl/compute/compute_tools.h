@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The tools of a scene among the rows of its loads: laws, frames per instant, particles as tools see them, grids, and
-// what the particles do to each.
+// The tools of a scene among the rows of its loads: laws, frames per instant, particles as tools see them, grids, and,
+// where they act on the device, what the particles do to each.
 #pragma once
 
 #include "compute_tables.h"
@@ -13,12 +13,12 @@ class ComputeTools {
  public:
   static constexpr int most_parts = 64;  ///< that a tool's sums are cut to
 
-  ComputeTools(const FloatTools& tools, const ComputeTables& tables, StorageRows& rows);
+  /// `acts`: on the device; else joints alone look where they are.
+  ComputeTools(const FloatTools& tools, bool acts, const ComputeTables& tables, StorageRows& rows);
+
+  bool act() const { return acts_; }
 
   int count() const { return count_; }
-  int needle_count() const { return needle_count_; }
-  /// Some are neither needles nor touch surfaces.
-  bool presses_particles() const { return count_ > needle_count_ + surface_count_; }
   bool any_grid() const { return any_grid_; }
 
   void write_held(const FloatTools& tools, StorageBuffer& buffer) const;
@@ -30,9 +30,9 @@ class ComputeTools {
 
  private:
   const ComputeTables* tables_;
-  int count_, needle_count_, surface_count_;
-  bool any_grid_;
-  std::int64_t frames_row_, held_row_, sums_row_, parts_row_, total_row_;
+  int count_;
+  bool acts_, any_grid_;
+  std::int64_t frames_row_, held_row_, sums_row_ = 0, parts_row_ = 0, total_row_ = 0;
 };
 
 }  // namespace phymul::gl

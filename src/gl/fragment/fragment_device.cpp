@@ -5,7 +5,7 @@
 
 namespace phymul::gl {
 
-FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools,
+FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools, bool on_host,
                                const ShaderLibrary& library)
     : library_(library),
       tables_(tables),
@@ -13,15 +13,15 @@ FragmentDevice::FragmentDevice(const FloatTables& tables, const Scene& scene, co
       strains_(tables_.kind().dissipates() ? std::make_unique<FragmentStrains>(tables_.kind()) : nullptr),
       passes_(tables_, strains_.get(), library_),
       report_(library_, tables.particle_count) {
-  set_scene(scene, tools);
+  set_scene(scene, tools, on_host);
   const VecList origin(static_cast<std::size_t>(tables.particle_count), Vec3::Zero());
   state_.write(origin, {.time = 0.0, .position = origin, .velocity = origin});
   begin_batch({.dt = 1.0}, {0.0, 1.0}, tools);
   try_step(1);
 }
 
-void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools) {
-  auto made = std::make_unique<FragmentScene>(scene, most_steps + 1, tables_, tools);
+void FragmentDevice::set_scene(const Scene& scene, const FloatTools& tools, bool on_host) {
+  auto made = std::make_unique<FragmentScene>(scene, most_steps + 1, tables_, tools, on_host, state_.measured());
   passes_.set_scene(*made);
   scene_ = std::move(made);
 }
@@ -43,15 +43,10 @@ void FragmentDevice::begin_batch(const StepConstants& constants, const std::vect
                                  const FloatTools& tools) {
   scene_->loads.evaluate(instants);
   if (scene_->tools) scene_->tools->set_frames(tools);
-  if (scene_->surfaces) scene_->surfaces->set_frames(tools);
   if (scene_->joints) scene_->joints->follow();
-  if (scene_->contacts) scene_->contacts->begin_batch();
   passes_.set_constants(constants);
+  if (scene_->open) scene_->open->set_pushes({});
   state_.set_checkpoint();
-}
-
-void FragmentDevice::give_more_passes() {
-  if (scene_->contacts) scene_->contacts->give_more_phases();
 }
 
 void FragmentDevice::run(int count) {
@@ -61,19 +56,35 @@ void FragmentDevice::run(int count) {
     passes_.step(state_, step, step == count);
     state_.advance();
   }
-  steps_ = count;
 }
 
 BatchReport FragmentDevice::try_step(int number) {
   vertices_.bind();
   passes_.step(state_, number, true);
-  return report(state_.next_displacement(), state_.next_velocity(), number);
+  return report(state_.next_displacement(), state_.next_velocity());
 }
 
-BatchReport FragmentDevice::report(const Texture& displacement, const Texture& velocity, int last_step) {
+BatchReport FragmentDevice::report(const Texture& displacement, const Texture& velocity) {
   vertices_.bind();
-  if (scene_->contacts) passes_.sum_contacts(last_step);
   return report_.read(displacement, velocity, state_.measured(), *scene_);
+}
+
+void FragmentDevice::open_step() {
+  vertices_.bind();
+  passes_.open(state_, 1);
+}
+
+void FragmentDevice::gather(std::span<const Index> rows) {
+  vertices_.bind();
+  scene_->open->set_gathered(rows);
+  passes_.gather(state_);
+}
+
+void FragmentDevice::close_step(std::span<const Push> pushes) {
+  vertices_.bind();
+  scene_->open->set_pushes(pushes);
+  passes_.close(state_, 1, true);
+  state_.advance();
 }
 
 }  // namespace phymul::gl

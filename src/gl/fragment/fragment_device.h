@@ -15,9 +15,10 @@ namespace phymul::gl {
 class FragmentDevice final : public Device {
  public:
   /// Compiles, uploads, and draws every pass of a step once: drivers compile at the first draw, not when they are told.
-  FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools, const ShaderLibrary& library);
+  FragmentDevice(const FloatTables& tables, const Scene& scene, const FloatTools& tools, bool on_host,
+                 const ShaderLibrary& library);
 
-  void set_scene(const Scene& scene, const FloatTools& tools) override;
+  void set_scene(const Scene& scene, const FloatTools& tools, bool on_host) override;
   void set_held(const FloatTools& tools) override;
   void set_dissipation(std::span<const Float4> constants) override { strains_->set_constants(constants); }
   void write_strains(std::span<const Float4> rows) override;
@@ -29,11 +30,14 @@ class FragmentDevice final : public Device {
   void begin_batch(const StepConstants& constants, const std::vector<double>& instants,
                    const FloatTools& tools) override;
   void run(int count) override;
-  void give_more_passes() override;
-  /// One where it is not known how many phases a step needs: a batch may have to be done several times.
-  int first_batch() const override { return scene_->contacts ? 1 : Device::first_batch(); }
   BatchReport try_step(int number) override;
-  BatchReport report() override { return report(state_.displacement(), state_.velocity(), steps_); }
+  BatchReport report() override { return report(state_.displacement(), state_.velocity()); }
+  void open_step() override;
+  void gather(std::span<const Index> rows) override;
+  double fastest() override { return report(state_.displacement(), state_.velocity()).max_speed; }
+  void read_gathered(std::span<OpenRow> rows) override { scene_->open->read(rows); }
+  void close_step(std::span<const Push> pushes) override;
+  void go_back() override { state_.go_back(); }
   std::span<const ToolSums> tool_sums() const override { return report_.tool_sums(); }
   void request_copy(const State& header) override { state_.request_copy(copies_, header); }
   bool collect_copy(const VecList& rest, State& state) override { return copies_.collect(rest, {}, state); }
@@ -41,7 +45,7 @@ class FragmentDevice final : public Device {
   const Texture& displacements() override { return state_.displacement(); }
 
  private:
-  BatchReport report(const Texture& displacement, const Texture& velocity, int last_step);
+  BatchReport report(const Texture& displacement, const Texture& velocity);
 
   EmptyVertexArray vertices_;
   ShaderLibrary library_;
@@ -52,7 +56,6 @@ class FragmentDevice final : public Device {
   FragmentPasses passes_;
   FragmentReport report_;
   StateCopies copies_;
-  int steps_ = 0;  // of the batch, that run() has done
 };
 
 }  // namespace phymul::gl

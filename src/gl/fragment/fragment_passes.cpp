@@ -98,13 +98,10 @@ Pass FragmentPasses::compiled(const StepKind& kind, const ShaderFiles& passes) c
     request.files.insert(request.files.end(), tool_files().begin(), tool_files().end());
     request.defines.emplace_back("NET_APART", 1);
   }
-  if (kind.pushes() && passes.back() == "step/step_pass.glsl") {
+  if (kind.on_host) request.defines.emplace_back("HOST_STEP", 1);
+  if (kind.on_host && passes.back() == "step/step_pass.glsl") {
     request.defines.emplace_back("PUSHED", 1);
-    request.files.emplace_back("tools/pushed_tables.glsl");
-  }
-  if (kind.surfaces) {
-    request.defines.emplace_back("HOLDS_ONLY", 1);
-    request.defines.emplace_back("GIVEN", 1);
+    request.files.insert(request.files.end(), {"tools/pushed_tables.glsl", "step/host_pushes.glsl"});
   }
   if (kind.volumes) request.defines.emplace_back("KEPT_VOLUMES", 1);
   request.files.insert(request.files.end(), passes.begin(), passes.end());
@@ -138,11 +135,12 @@ FragmentPasses::Stepping FragmentPasses::compiled(const StepKind& kind) const {
     define_joints(kind.joints_on_tools, joints);
     stepping.joints = Pass(*library_, joints);
   }
-  if (kind.pushes()) stepping.free = compiled(kind, {"step/free_pass.glsl"});
-  if (kind.surfaces) {
-    stepping.surfaces = FragmentSurfacePasses([&](const ShaderFiles& files) {
-      return compiled(kind, joined({{"tools/pushed_tables.glsl", "tools/surface_tables.glsl"}, files}));
-    });
+  if (kind.on_host) {
+    stepping.free = compiled(kind, {"step/free_pass.glsl"});
+    ShaderRequest gather{.files = joined({common, {"tools/pushed_tables.glsl", "step/gather_pass.glsl"}}),
+                         .defines = {}};
+    define_kernels(tables_->kind(), gather);
+    stepping.gather = Pass(*library_, gather);
   }
   stepping.step = compiled(kind, {"report/measure_step.glsl", "step/step_pass.glsl"});
   if (kind.volumes) compile_keeping(stepping);
@@ -173,11 +171,10 @@ void FragmentPasses::set_scene(FragmentScene& scene) {
   scene_ = &scene;
   try {
     make_passes({.loads = scene.loads.kind(),
-                 .tools = scene.tools.has_value(),
-                 .grids = scene.tools && scene.tools->any_grid(),
+                 .tools = scene.tools_act(),
+                 .grids = scene.tools_act() && scene.tools->any_grid(),
                  .volumes = scene.volumes.has_value(),
-                 .contacts = scene.contacts.has_value(),
-                 .surfaces = scene.surfaces.has_value(),
+                 .on_host = scene.open.has_value(),
                  .joints_on_tools = scene.joints && scene.joints->any_tool()});
     bind_scene();
   } catch (...) {
@@ -194,7 +191,6 @@ void FragmentPasses::make_passes(const StepKind& kind) {
     net_target_ = Framebuffer({{&net}});
     net_ = std::move(net);
   }
-  if (kind.contacts && !touching_) touching_.emplace(*library_);
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
   if (found == stepping_.end()) found = stepping_.insert(stepping_.end(), compiled(kind));
   now_ = &*found;
@@ -203,19 +199,14 @@ void FragmentPasses::make_passes(const StepKind& kind) {
 void FragmentPasses::bind_scene() {
   scene_->loads.bind(now_->step);
   if (scene_->loads.kind().scaled) scene_->loads.bind_factors(now_->domains);
-  if (scene_->tools) {
+  if (now_->kind.tools) {
     scene_->loads.bind(now_->reaction);
     scene_->loads.bind(now_->tools);
     scene_->tools->bind(now_->tools);
     scene_->tools->bind(now_->step);
   }
   if (scene_->volumes) bind_volumes();
-  if (now_->kind.pushes()) {
-    scene_->loads.bind(now_->free);
-    if (scene_->tools) scene_->tools->bind(now_->free);
-  }
-  if (scene_->surfaces) bind_surfaces();
-  if (scene_->contacts) bind_contacts();
+  if (scene_->open) bind_open();
   if (scene_->joints) bind_joints();
 }
 
@@ -225,24 +216,16 @@ void FragmentPasses::bind_joints() {
   scene_->joints->bind_gathering(gathering_pass());
 }
 
-void FragmentPasses::bind_surfaces() {
-  now_->surfaces.for_each([this](Pass& pass) {
-    scene_->loads.bind(pass);
-    scene_->tools->bind(pass);
-  });
-  now_->surfaces.bind(*scene_->surfaces);
-  scene_->surfaces->bind_given(now_->tools);
-}
-
-void FragmentPasses::bind_contacts() {
-  now_->step.input("pushed_force", scene_->contacts->pushed_force);
-  now_->step.input("pushed_shift", scene_->contacts->pushed_shift);
-  touching_->set_contacts(*scene_->contacts);
+void FragmentPasses::bind_open() {
+  scene_->loads.bind(now_->free);
+  scene_->open->bind(now_->gather);
+  scene_->open->bind(now_->step);
+  scene_->open->bind_pushes(now_->step);
 }
 
 void FragmentPasses::bind_volumes() {
   for (Pass* const pass : {&now_->along, &now_->end}) scene_->loads.bind(*pass);
-  if (scene_->tools) scene_->tools->bind(now_->along);
+  if (now_->kind.tools) scene_->tools->bind(now_->along);
   for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end})
     scene_->volumes->bind(*pass);
 }
@@ -252,7 +235,7 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
   const float largest = to_float(constants.largest_acceleration);
   gathering_pass().set("largest_acceleration", largest);
-  if (scene_->tools) now_->tools.set("largest_acceleration", largest);
+  if (now_->kind.tools) now_->tools.set("largest_acceleration", largest);
   if (scene_->joints) {
     now_->joints.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
     now_->joints.set("tools_at_once", constants.tools_at_once ? 1 : 0);
@@ -263,11 +246,9 @@ void FragmentPasses::set_constants(const StepConstants& constants) {
     pass.set("damping_factor", static_cast<float>(constants.damping_factor));
   };
   set_motion(now_->step);
-  if (scene_->tools) set_motion(now_->tools);
+  if (now_->kind.tools) set_motion(now_->tools);
   if (scene_->volumes) set_motion(now_->end);
-  if (now_->kind.pushes()) set_motion(now_->free);
-  if (scene_->surfaces) now_->surfaces.set_step(constants.dt);
-  if (scene_->contacts) touching_->set_step(constants.dt);
+  if (scene_->open) set_motion(now_->free);
   Pass& end = scene_->volumes ? now_->end : now_->step;
   const auto set = [&](const char* name, double value) { end.set(name, to_float(value)); };
   set("runaway_speed", constants.runaway_speed);
@@ -302,22 +283,33 @@ void FragmentPasses::draw_terms(const FragmentState& state, int batch_step) {
   strains_pass_.draw(strains_->kept.target(state.free_pair()));
 }
 
-void FragmentPasses::step(const FragmentState& state, int batch_step, bool measuring) {
+/// What pushes between forces and motion comes in the order of ToolSet::act and Touching of src/interaction.
+void FragmentPasses::open(const FragmentState& state, int batch_step) {
   draw_terms(state, batch_step);
   if (scene_->joints) pull(state, batch_step);
-  if (scene_->tools) {
+  if (now_->kind.tools) {
     Pass& reaction = now_->reaction;
     reaction.input("displacement", state.displacement());
     reaction.set_rows(net_, tables_->kind().particles);
     reaction.set("instant", batch_step - 1);
     reaction.draw(net_target_);
+    tell(state, batch_step);
   }
-  if (now_->kind.pushes()) open(state, batch_step);
-  if (scene_->surfaces) act(state, batch_step);
-  if (scene_->tools) tell(state, batch_step);
-  if (scene_->contacts) touch(state, batch_step);
+  if (!scene_->open) return;
+  prepare(now_->free, state, batch_step);
+  now_->free.set_rows(state.displacement(), tables_->kind().particles);
+  now_->free.draw(scene_->open->target());
+}
+
+void FragmentPasses::gather(const FragmentState& state) {
+  now_->gather.input("displacement", state.displacement());
+  scene_->open->gather(now_->gather);
+}
+
+void FragmentPasses::close(const FragmentState& state, int batch_step, bool measuring) {
   Pass& step = now_->step;
   prepare(step, state, batch_step);
+  if (scene_->open) step.set("push_count", scene_->open->push_count());
   step.set_rows(state.displacement(), tables_->kind().particles);
   step.draw(scene_->volumes ? scene_->volumes->free_target() : state.next(measuring));
   if (scene_->volumes) keep(state, batch_step, measuring);
@@ -334,29 +326,9 @@ void FragmentPasses::pull(const FragmentState& state, int batch_step) {
   gathering_pass().input("joint_state", scene_->joints->state.texture(state.free_pair()));
 }
 
-/// What pushes between forces and motion comes in the order of ToolSet::act and Touching of src/interaction.
-void FragmentPasses::open(const FragmentState& state, int batch_step) {
-  prepare(now_->free, state, batch_step);
-  now_->free.set_rows(state.displacement(), tables_->kind().particles);
-  now_->free.draw(scene_->surfaces ? scene_->surfaces->open_target() : scene_->contacts->free_target);
-}
-
-void FragmentPasses::act(const FragmentState& state, int batch_step) {
-  now_->surfaces.act(*scene_->surfaces, state.displacement(), batch_step);
-  if (scene_->contacts) {
-    touching_->set_free(scene_->surfaces->open());
-  } else {
-    scene_->surfaces->open().bind(now_->step);
-  }
-}
-
 void FragmentPasses::tell(const FragmentState& state, int batch_step) {
   prepare(now_->tools, state, batch_step);
   scene_->tools->tell(now_->tools);
-}
-
-void FragmentPasses::touch(const FragmentState& state, int batch_step) {
-  touching_->act(state.displacement(), batch_step);
 }
 
 void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measuring) {

@@ -8,21 +8,17 @@
 //   strains    those that the next step starts from         materials that dissipate
 //   joint      force of a spring                            scenes with joints
 //   step       net force and Verlet
-// With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where bodies touch, or tools
-// touch surfaces, the step opens with a pass of its own, free; then come those of fragment_surface_passes.h and of
-// fragment_contact_passes.h, and the step's end. Where the scene
-// keeps volumes, that is drawn aside, and passes follow it: which way their particles go, sums over facets, how far,
-// and the end of the step.
+// With tools the last is two (reaction, Verlet), as what they feel is a pass between them. Where the host acts, the
+// step opens with a pass of its own, free; rows that the host asks for are gathered, and the step's end adds what it
+// pushes. Where the scene keeps volumes on the device, the end is drawn aside, and passes follow it: which way their
+// particles go, sums over facets, how far, and the end of the step.
 #pragma once
 
 #include <deque>
-#include <optional>
 
-#include "fragment_contact_passes.h"
 #include "fragment_scene.h"
 #include "fragment_state.h"
 #include "fragment_strains.h"
-#include "fragment_surface_passes.h"
 #include "gl/solver/device.h"
 
 namespace phymul::gl {
@@ -40,10 +36,14 @@ class FragmentPasses {
 
   /// One step from the current state to state.next(), as number `batch_step` (1, 2, ...) of a batch whose loads were
   /// evaluated at instants batch_step - 1 and batch_step. Does not advance the state.
-  void step(const FragmentState& state, int batch_step, bool measuring);
-
-  /// Brings down what the contacts of a batch told, up to this step of it; only where there are contacts.
-  void sum_contacts(int last_step) { touching_->sum(last_step); }
+  void step(const FragmentState& state, int batch_step, bool measuring) {
+    open(state, batch_step);
+    close(state, batch_step, measuring);
+  }
+  // Its halves, between which the host may act; gather() too, where it does.
+  void open(const FragmentState& state, int batch_step);
+  void gather(const FragmentState& state);
+  void close(const FragmentState& state, int batch_step, bool measuring);
 
  private:
   struct Drawing {
@@ -53,10 +53,8 @@ class FragmentPasses {
   };
   struct StepKind {
     LoadKind loads;
-    bool tools = false, grids = false, volumes = false, contacts = false;
-    bool surfaces = false;  // tools touch some
+    bool tools = false, grids = false, volumes = false, on_host = false;
     bool joints_on_tools = false;
-    bool pushes() const { return contacts || surfaces; }
     bool operator==(const StepKind&) const = default;
   };
   struct Stepping {
@@ -64,8 +62,7 @@ class FragmentPasses {
     Pass step;
     Pass reaction, tools;                  // only with tools
     Pass along, facets, sums, roots, end;  // only where volumes are kept
-    Pass free;                             // where something pushes: up to that
-    FragmentSurfacePasses surfaces;        // where tools touch surfaces
+    Pass free, gather;                     // where the host acts
     Pass domains;                          // where stiffness is scaled: in place of the last of before_
     Pass joints;                           // where there are some
   };
@@ -86,15 +83,11 @@ class FragmentPasses {
   void bind_scene();
   void bind_volumes();
   void bind_joints();
-  void bind_surfaces();
-  void bind_contacts();
+  void bind_open();
   void pull(const FragmentState& state, int batch_step);
-  void open(const FragmentState& state, int batch_step);
-  void act(const FragmentState& state, int batch_step);
   void tell(const FragmentState& state, int batch_step);
-  void touch(const FragmentState& state, int batch_step);
   /// The pass that gathers the net force.
-  Pass& gathering_pass() { return scene_->tools ? now_->reaction : scene_->contacts ? now_->free : now_->step; }
+  Pass& gathering_pass() { return now_->kind.tools ? now_->reaction : now_->kind.on_host ? now_->free : now_->step; }
   void keep(const FragmentState& state, int batch_step, bool measuring);
   void prepare(Pass& pass, const FragmentState& state, int batch_step) const;
 
@@ -109,7 +102,6 @@ class FragmentPasses {
   std::deque<Stepping> stepping_;  // whose addresses stay
   Stepping* now_ = nullptr;
   FragmentScene* scene_ = nullptr;
-  std::optional<FragmentContactPasses> touching_;  // once bodies touched
 };
 
 }  // namespace phymul::gl

@@ -20,8 +20,7 @@ FragmentReport::FragmentReport(const ShaderLibrary& library, Index particles)
 
 BatchReport FragmentReport::read(const Texture& displacement, const Texture& velocity, const Texture& measured,
                                  FragmentScene& scene) {
-  auto& tools = scene.tools;
-  auto& contacts = scene.contacts;
+  auto* const tools = scene.tools_act() ? &*scene.tools : nullptr;
   const auto& volumes = scene.volumes;
   first_.input("displacement", displacement);
   first_.input("velocity", velocity);
@@ -34,16 +33,15 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
                                          .defines = {{"ROWS_TO_ONE", FragmentTools::rows_to_one}}});
     tools->sum(*tools_added_);
   }
-  // Behind the report: four rows of texels of tools, one of volumes, one texel of contacts.
+  // Behind the report: four rows of texels of tools, one of volumes.
   const std::size_t tool_rows = tools ? tools->texels() : 0, volume_rows = volumes ? volumes->texels() : 0;
-  const std::size_t more_rows = 4 * tool_rows + volume_rows + (contacts ? 1 : 0);
+  const std::size_t more_rows = 4 * tool_rows + volume_rows;
   BatchReport report = copy_.read(static_cast<std::int64_t>(more_rows), [&] {
     reduction_.target().read(0, GL_RGBA_INTEGER, GL_INT, nullptr);
     reduction_.target().read(1, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(sizeof(Int4)));  // an offset in the buffer
     const std::size_t behind = sizeof(Int4) + sizeof(Float4);
     if (tools) tools->copy(behind);
     if (volumes) volumes->copy(behind + 4 * tool_rows * sizeof(Float4));
-    if (contacts) contacts->copy_told(behind + (more_rows - 1) * sizeof(Float4));
   });
   const std::span<const Float4> more(copy_.more());
   tool_sums_.resize(tools ? static_cast<std::size_t>(tools->count()) : 0);
@@ -52,7 +50,6 @@ BatchReport FragmentReport::read(const Texture& displacement, const Texture& vel
     tool_sums_[tool] = {at[0], at[tool_rows], at[2 * tool_rows], at[3 * tool_rows]};
   }
   if (volumes) report.see_volumes(more.subspan(4 * tool_rows, static_cast<std::size_t>(volumes->count())));
-  if (contacts && contacts->see(more.back(), report.runaway_step)) report.unfinished = true;
   return report;
 }
 

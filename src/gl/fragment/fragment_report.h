@@ -17,8 +17,7 @@ class FragmentReport {
  public:
   FragmentReport(const ShaderLibrary& library, Index particles);
 
-  /// Of the state a batch has reached, and of what its steps told of tools, kept volumes and contacts. Waits for the
-  /// device.
+  /// Of the state a batch has reached, and of what its steps told of tools and kept volumes. Waits for the device.
   BatchReport read(const Texture& displacement, const Texture& velocity, const Texture& measured, FragmentScene& scene);
   std::span<const ToolSums> tool_sums() const { return tool_sums_; }
 

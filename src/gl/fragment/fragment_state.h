@@ -38,20 +38,4 @@ class FragmentState : public StatePairs {
   std::array<Framebuffer, pairs> plain_, measuring_;
 };
 
-/// Where a step stands between its forces and its motion: the rows of pushed_tables.glsl.
-struct OpenStep {
-  explicit OpenStep(std::int64_t particles)
-      : force(Texture::target(particles, "forces before a step's motion")),
-        velocity(Texture::target(particles, "velocities before a step's motion")),
-        shift(Texture::target(particles, "shifts before a step's motion")) {}
-
-  void bind(Pass& pass) const {
-    pass.input("pushed_force", force);
-    pass.input("free_velocity", velocity);
-    pass.input("pushed_shift", shift);
-  }
-
-  Texture force, velocity, shift;
-};
-
 }  // namespace phymul::gl

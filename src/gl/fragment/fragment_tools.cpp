@@ -10,17 +10,17 @@ constexpr std::array<const char*, 4> sum_inputs{"forces", "torques", "last_force
 
 }  // namespace
 
-FragmentTools::FragmentTools(const FloatTools& tools)
-    : any_grid_(tools.any_grid()),
-      count_(tools.count()),
-      particles_(static_cast<int>(tools.held().size())),
-      added_(particles_, rows_to_one, {{sum_inputs[0]}, {sum_inputs[1]}, {sum_inputs[2]}, {sum_inputs[3]}},
-             "forces on tools", count_) {
+FragmentTools::FragmentTools(const FloatTools& tools, bool acts)
+    : any_grid_(tools.any_grid()), count_(tools.count()), particles_(static_cast<int>(tools.held().size())) {
   tables_.add("tool_laws", tools.laws());
   tables_.add("tool_rest", tools.rest());
   if (any_grid_) tables_.add("tool_grid", tools.grid_values());
   held_ = Texture::table(std::span<const Float4>(tools.held()), "tool_held");
   frames_ = Texture::target(static_cast<std::int64_t>(tools.most_frames()), "tool_frames");
+  if (!acts) return;
+  added_.emplace(particles_, rows_to_one,
+                 std::vector<Reduction::Result>{{sum_inputs[0]}, {sum_inputs[1]}, {sum_inputs[2]}, {sum_inputs[3]}},
+                 "forces on tools", count_);
   const std::int64_t rows = std::int64_t{count_} * particles_;
   for (Texture& texture : last_) texture = Texture::target(rows, "forces on tools");
   for (std::size_t turn = 0; turn < sums_.size(); ++turn) {
@@ -57,13 +57,13 @@ void FragmentTools::sum(Pass& added) {
   const auto& newest = sums_[static_cast<std::size_t>(turn_)];
   const std::array<const Texture*, 4> source{&newest[0], &newest[1], &last_[0], &last_[1]};
   for (std::size_t k = 0; k < source.size(); ++k) added.input(sum_inputs[k], *source[k]);
-  added_.draw(added);
+  added_->draw(added);
 }
 
 void FragmentTools::copy(std::size_t offset) const {
   for (int k = 0; k < 4; ++k) {
     const std::size_t at = offset + static_cast<std::size_t>(k) * texels() * sizeof(Float4);
-    added_.target().read(k, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(at));  // an offset in the buffer
+    added_->target().read(k, GL_RGBA, GL_FLOAT, reinterpret_cast<void*>(at));  // an offset in the buffer
   }
 }
 

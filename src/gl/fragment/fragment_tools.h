@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// The tools of a scene in textures, and what the particles do to each: added up per particle step by step, and over the
-// particles once a report.
+// The tools of a scene in textures, and, where they act on the device, what the particles do to each: added up per
+// particle step by step, and over the particles once a report.
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "device/float_tools.h"
 #include "reduction.h"
@@ -15,7 +16,8 @@ class FragmentTools {
  public:
   static constexpr int rows_to_one = 16;  ///< of sum()
 
-  explicit FragmentTools(const FloatTools& tools);
+  /// `acts`: on the device; else joints alone look where they are.
+  FragmentTools(const FloatTools& tools, bool acts);
 
   int count() const { return count_; }
   bool any_grid() const { return any_grid_; }
@@ -30,7 +32,7 @@ class FragmentTools {
   void sum(Pass& added);
   /// After sum(): the texels of a row of them, of which there are four; where they go from `offset` on in the buffer
   /// bound to GL_PIXEL_PACK_BUFFER.
-  std::size_t texels() const { return static_cast<std::size_t>(added_.target().shape().texels()); }
+  std::size_t texels() const { return static_cast<std::size_t>(added_->target().shape().texels()); }
   void copy(std::size_t offset) const;
 
  private:
@@ -41,8 +43,8 @@ class FragmentTools {
   std::array<std::array<Texture, 2>, 2> sums_;  // [turn]: forces, torques; a pass reads one and writes the other
   std::array<Texture, 2> last_;
   std::array<Framebuffer, 2> targets_;
-  int turn_ = 0;     // of the newest
-  Reduction added_;  // forces, torques, and both of the last step
+  int turn_ = 0;                    // of the newest
+  std::optional<Reduction> added_;  // forces, torques, and both of the last step
 };
 
 }  // namespace phymul::gl

@@ -33,14 +33,15 @@ Framebuffer::Framebuffer(const std::vector<Attachment>& attachments) : id_(one_n
                                      "GL 3.3 and OpenGL ES 3.0 with GL_EXT_color_buffer_float have");
 }
 
-void Framebuffer::read(int k, GLenum layout, GLenum type, void* out) const {
+void Framebuffer::read(int k, GLenum layout, GLenum type, void* out, std::int64_t rows) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, *id_);
   glReadBuffer(static_cast<GLenum>(GL_COLOR_ATTACHMENT0 + k));
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glPixelStorei(GL_PACK_ROW_LENGTH, 0);
   glPixelStorei(GL_PACK_SKIP_ROWS, 0);
   glPixelStorei(GL_PACK_SKIP_PIXELS, 0);
-  glReadPixels(0, 0, shape_.width, shape_.height, layout, type, out);
+  const auto lines = static_cast<GLsizei>((rows + shape_.width - 1) / shape_.width);
+  glReadPixels(0, 0, shape_.width, lines, layout, type, out);
 }
 
 }  // namespace phymul::gl

@@ -29,7 +29,9 @@ class Framebuffer {
 
   /// Copies attachment k's texels of the first rows, in order, to `out`; at most to whole lines of texels, so `out`
   /// has room for shape().texels(). Waits for the device unless `out` is an offset in a bound GL_PIXEL_PACK_BUFFER.
-  void read(int k, GLenum layout, GLenum type, void* out) const;
+  void read(int k, GLenum layout, GLenum type, void* out) const { read(k, layout, type, out, shape_.texels()); }
+  /// Only of as many rows, again to whole lines of texels.
+  void read(int k, GLenum layout, GLenum type, void* out, std::int64_t rows) const;
 
  private:
   Handle<FramebufferKind> id_;

@@ -44,6 +44,7 @@ void Pass::input(const char* name, const Texture& texture) {
 void Pass::set_rows(const Texture& target, int rows) {
   set("target_log2", target.log2_width());
   set("row_count", rows);
+  lines_ = (rows + target.shape().width - 1) / target.shape().width;
 }
 
 void Pass::draw(const Framebuffer& target) {
@@ -54,7 +55,7 @@ void Pass::draw(const Framebuffer& target) {
     glBindTexture(inputs_[unit].kind, inputs_[unit].texture);
   }
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.id());
-  glViewport(0, 0, target.shape().width, target.shape().height);
+  glViewport(0, 0, target.shape().width, lines_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

@@ -31,7 +31,7 @@ class Pass {
   /// The rectangle that will be drawn over, and how many of its rows mean something.
   void set_rows(const Texture& target, int rows);
 
-  /// One fragment per texel of the target. A vertex array must be bound.
+  /// One fragment per texel of the target's lines that hold such rows. A vertex array must be bound.
   void draw(const Framebuffer& target);
 
  private:
@@ -42,6 +42,7 @@ class Pass {
     int log2_width;
     GLint place_location;
   };
+  int lines_ = 0;     // of the rectangle, that hold its rows
   std::string name_;  // of its last shader file, without the ending
   Program program_;
   std::vector<Input> inputs_;  // at texture units 0, 1, ...

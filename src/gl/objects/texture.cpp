@@ -115,6 +115,11 @@ void Texture::upload(std::span<const float> rows) {
   upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(float));
 }
 
+void Texture::upload(std::span<const Int4> rows) {
+  keep_plain_unpacking();
+  upload_rows(rows.data(), static_cast<std::int64_t>(rows.size()), sizeof(Int4));
+}
+
 void Texture::upload_from(GLuint buffer, std::int64_t first) {
   keep_plain_unpacking();
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);

@@ -41,6 +41,7 @@ class Texture {
   /// Writes over the first rows, of an array those of a layer; no more than there are.
   void upload(std::span<const Float4> rows, int layer = 0);
   void upload(std::span<const float> rows);
+  void upload(std::span<const Int4> rows);
   /// All rows, of 16 bytes, from a buffer's row `first` on, without the host.
   void upload_from(GLuint buffer, std::int64_t first);
 

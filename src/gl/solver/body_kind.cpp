@@ -117,9 +117,7 @@ void define_tools(bool grids, ShaderRequest& request) {
   constexpr std::array shapes{std::pair{"SHAPE_SPHERE", ShapeKind::sphere},
                               std::pair{"SHAPE_CAPSULE", ShapeKind::capsule},
                               std::pair{"SHAPE_HALF_SPACE", ShapeKind::half_space},
-                              std::pair{"SHAPE_BOX", ShapeKind::box},
-                              std::pair{"SHAPE_GRID", ShapeKind::grid},
-                              std::pair{"SHAPE_NEEDLE", ShapeKind::needle}};
+                              std::pair{"SHAPE_BOX", ShapeKind::box}, std::pair{"SHAPE_GRID", ShapeKind::grid}};
   request.defines.emplace_back("TOOLS", 1);
   if (grids) request.defines.emplace_back("TOOL_GRIDS", 1);
   for (const auto& [name, kind] : shapes) request.defines.emplace_back(name, static_cast<int>(kind));

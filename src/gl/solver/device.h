@@ -31,11 +31,8 @@ struct BatchReport {
   Index particle = -1;   ///< the first of them by number
   bool cut = false;      ///< an elastic force was; false too where a particle ran away
   int first_unquiet = 0, last_unquiet = 0;
-  int lost_step = 0;        ///< first in which a kept volume could not be restored
-  int lost_volume = -1;     ///< the first of them by row
-  int full_step = 0;        ///< first for which a needle's hole had no room
-  int full_needle = -1;     ///< that needle's row among the tools
-  bool unfinished = false;  ///< a step needed more passes than it was given; nothing else of the report means anything
+  int lost_step = 0;     ///< first in which a kept volume could not be restored
+  int lost_volume = -1;  ///< the first of them by row
   /// Of the last step.
   double max_speed = 0.0, max_acceleration = 0.0, max_force = 0.0, max_displacement = 0.0;
 
@@ -44,6 +41,20 @@ struct BatchReport {
   BatchReport(const Int4& events, const Float4& largest);
   /// From what kept_root_pass.glsl leaves of every volume.
   void see_volumes(std::span<const Float4> roots);
+};
+
+/// Of a particle in an open step, as gather_pass.glsl has it.
+struct OpenRow {
+  Float4 displacement{};  ///< m, at the step's start
+  Float4 velocity{};      ///< m/s: it would go to x + dt v
+  Float4 withheld{};      ///< N
+};
+
+/// What the host adds to an open step, for host_pushes.glsl.
+struct Push {
+  Index particle = 0;
+  Float4 force{};  ///< N, over this step
+  Float4 shift{};  ///< m
 };
 
 class Device {
@@ -60,14 +71,10 @@ class Device {
   void time_passes(const ContextInfo& info, Profile& profile) { timer_ = std::make_unique<PassTimer>(info, profile); }
   PassTimer* timer() { return timer_.get(); }
 
-  /// `tools` of the scene; they may be none.
-  virtual void set_scene(const Scene& scene, const FloatTools& tools) = 0;
+  /// `tools` of the scene; they may be none. `on_host`: these, contacts and kept volumes act there, in open steps.
+  virtual void set_scene(const Scene& scene, const FloatTools& tools, bool on_host) = 0;
   /// After a change of what they hold.
   virtual void set_held(const FloatTools& tools) = 0;
-  /// The holes of needles as `tools` have them. Throws Error, and changes nothing, where they do not fit.
-  virtual void write_needles(const FloatTools& /*tools*/) {}
-  /// Those of the present state, to `tools`. Waits for the device.
-  virtual void read_needles(FloatTools& /*tools*/) {}
   // Of a body that dissipates, in rows of FloatDissipation. After write() each domain's strains are those of its state.
   virtual void set_dissipation(std::span<const Float4> constants) = 0;
   virtual void write_strains(std::span<const Float4> rows) = 0;
@@ -86,14 +93,20 @@ class Device {
                            const FloatTools& tools) = 0;
   /// Steps 1 ... count of the batch from the checkpoint; the last one measures.
   virtual void run(int count) = 0;
-  /// After an unfinished report: the next run() gives its steps more passes, in the end as many as any may need.
-  virtual void give_more_passes() {}
-  /// Steps of a batch before it is known how long one takes.
-  virtual int first_batch() const { return 8; }
   /// Step `number` from the present state, which stays as it is; only what it measures is kept.
   virtual BatchReport try_step(int number) = 0;
   /// Of the steps since begin_batch(), or since the last run() did. Waits for the device.
   virtual BatchReport report() = 0;
+
+  // Of a scene that acts on the host, the one step of a batch in halves, in this order.
+  virtual void open_step() = 0;  ///< up to where each particle would go by itself
+  /// Starts to; may be called again after read_gathered(). Where no step is open only displacements mean something.
+  virtual void gather(std::span<const Index> rows) = 0;
+  virtual double fastest() = 0;                             ///< m/s: no particle would be faster. Waits for the device
+  virtual void read_gathered(std::span<OpenRow> rows) = 0;  ///< of the last gather(). Waits for the device
+  /// No two of a particle. The step's end becomes the present state, which report() then tells of.
+  virtual void close_step(std::span<const Push> pushes) = 0;
+  virtual void go_back() = 0;  ///< the checkpoint becomes the present state
   /// What the steps of that report, of run(), did to each tool.
   virtual std::span<const ToolSums> tool_sums() const = 0;
 
@@ -113,7 +126,7 @@ class Device {
 /// The device of "gl-compute". `domains` gets the row of the topology's domain at each row of the device. Throws Error
 /// also where this build has none.
 std::unique_ptr<Device> make_compute_device(FloatTables tables, const TopologyTextures& topology, const Scene& scene,
-                                            const FloatTools& tools, const ShaderLibrary& library,
+                                            const FloatTools& tools, bool on_host, const ShaderLibrary& library,
                                             std::vector<Index>& domains);
 
 }  // namespace phymul::gl

@@ -13,6 +13,7 @@ namespace {
 
 /// A batch of steps that takes longer keeps the device from drawing, and a window system may take it for hung.
 constexpr double seconds_a_batch = 0.05;
+constexpr double first_batch = 8.0;  // steps, before it is known how long one takes
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -23,7 +24,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 /// No longer than rest_steps where the body is to stop at rest: then an unquiet step in a batch says that no other
 /// row of so many quiet ones is in it.
 int DeviceSolver::batch_size(const StepPlan& plan, int remaining) const {
-  const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : device_->first_batch();
+  const double wished = seconds_a_step_ > 0.0 ? seconds_a_batch / seconds_a_step_ : first_batch;
   const int size = static_cast<int>(std::clamp(wished, 1.0, static_cast<double>(Device::most_steps)));
   return std::min({size, remaining, plan.stop_at_rest ? plan.rest_steps : remaining});
 }
@@ -54,13 +55,14 @@ void DeviceSolver::accept_motion(int steps, double dt) {
 }
 
 SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
-  begin_tools(plan);
+  if (!host_) begin_tools(plan);
   begin_joints();
   if (dissipation_ && plan.dt != dissipation_dt_) {
     device_->set_dissipation(dissipation_->constants(plan.dt));
     dissipation_dt_ = plan.dt;
   }
   const PassTimer::Current timing(device_->timer());
+  if (host_) return run_on_host(plan);
   Motion motion;
   motion.steps_at_rest = progress_.steps_at_rest;
   while (motion.steps < plan.steps) {
@@ -74,37 +76,32 @@ SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   return motion;
 }
 
+StepConstants DeviceSolver::constants_of(const StepPlan& plan) const {
+  const RestThresholds asked{plan.speed_at_rest, plan.acceleration_at_rest};
+  const RestThresholds rest = joints().empty() ? rest_thresholds(asked, progress_.largest_displacement)
+                                               : rest_thresholds(asked, progress_.largest_displacement, plan.omega_max);
+  return {.dt = plan.dt,
+          .damping_factor = plan.damping_factor,
+          .last_dt = progress_.last_dt,
+          .tools_at_once = plan.stop_at_rest,
+          .largest_acceleration = plan.largest_acceleration,
+          .runaway_speed = plan.runaway_speed,
+          .speed_at_rest = rest.speed,
+          .acceleration_at_rest = rest.acceleration};
+}
+
 /// False where the motion ends with this batch: a failure, or rest.
 bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   instants_.assign(1, progress_.time);
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
-  const RestThresholds asked{plan.speed_at_rest, plan.acceleration_at_rest};
-  const RestThresholds rest = joints().empty() ? rest_thresholds(asked, progress_.largest_displacement)
-                                               : rest_thresholds(asked, progress_.largest_displacement, plan.omega_max);
-  if (!tools_.empty()) tools_.begin_batch(count, plan.dt, progress_.last_dt);
-  device_->begin_batch({.dt = plan.dt,
-                        .damping_factor = plan.damping_factor,
-                        .last_dt = progress_.last_dt,
-                        .tools_at_once = plan.stop_at_rest,
-                        .largest_acceleration = plan.largest_acceleration,
-                        .runaway_speed = plan.runaway_speed,
-                        .speed_at_rest = rest.speed,
-                        .acceleration_at_rest = rest.acceleration},
-                       instants_, tools_);
+  if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
+  device_->begin_batch(constants_of(plan), instants_, tools_);
   device_->run(count);
   BatchReport report = device_->report();
-  while (report.unfinished) {
-    device_->give_more_passes();
-    device_->run(count);
-    report = device_->report();
-  }
   const BatchReport first = report;
   // A volume that cannot be restored comes before what runs away with it in the same step.
   const bool loses = first.lost_step > 0 && (first.runaway_step == 0 || first.lost_step <= first.runaway_step);
-  const int went_wrong = loses ? first.lost_step : first.runaway_step;
-  // So does a hole that was left as it was.
-  const bool fills = first.full_step > 0 && (went_wrong == 0 || first.full_step <= went_wrong);
-  const int failed_at = fills ? first.full_step : went_wrong;
+  const int failed_at = loses ? first.lost_step : first.runaway_step;
   int good = failed_at > 0 ? failed_at - 1 : count;
 
   const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
@@ -128,10 +125,6 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   for (int k = 0; k < good; ++k) progress_.time += plan.dt;
   if (good > 0) progress_.last_dt = plan.dt;
   if (rests || failed_at == 0) return !rests;
-  if (fills) {
-    motion.full_needle = first.full_needle;
-    return false;
-  }
   if (loses) {
     motion.lost_volume = first.lost_volume;
     return false;

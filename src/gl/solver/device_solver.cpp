@@ -10,7 +10,6 @@
 #include "device/float_range.h"
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
-#include "scene/tool_state.h"
 
 namespace phymul::gl {
 namespace {
@@ -31,7 +30,7 @@ DeviceSolver::DeviceSolver(GlBackend backend, std::shared_ptr<const TopologyText
       layout_(choose_layout(gl_.layout, topology())),
       context_(Context::open(gl_, backend)),
       kept_(rest_state(model())) {
-  if (const char* const cause = DeviceSolver::do_cannot()) throw Error(ErrorCode::not_supported, cause);
+  if (const char* const cause = beyond_devices()) throw Error(ErrorCode::not_supported, cause);
   instants_.reserve(Device::most_steps + 1);
   try {
     build();
@@ -46,12 +45,28 @@ DeviceSolver::~DeviceSolver() {
   drop();
 }
 
-/// A needle's hole is followed and settled by lanes that share memory, which fragments have not.
-const char* DeviceSolver::do_cannot() const {
-  if (const char* const cause = beyond_devices()) return cause;
-  if (backend_ == GlBackend::compute || !has_needle(scene().tools())) return nullptr;
-  return "the scene has a needle, which the backend \"gl\" does not take; use \"gl-compute\", \"cpu\" or "
-         "\"reference\"";
+/// Not in order on a device: needles, surfaces under tools. Not by fragments, 83 to 109 draws a step: contacts.
+bool DeviceSolver::acts_on_host() const {
+  return (backend_ == GlBackend::fragment && scene().contacts()) ||
+         std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
+           return own.tool.contact == ToolContact::surface || std::holds_alternative<Needle>(own.tool.shape);
+         });
+}
+
+/// After tools_, from which tools come here as they are.
+void DeviceSolver::follow_on_host() {
+  if (!acts_on_host()) {
+    host_.reset();
+    return;
+  }
+  const bool moves_here = host_ == nullptr;
+  if (moves_here) host_ = std::make_unique<OnHost>(model());
+  host_->tools.follow(scene());
+  for (std::size_t row = 0; moves_here && row < host_->tools.count(); ++row) {
+    host_->tools.set_moved(row, tools_.moved(row));
+  }
+  host_->touching.follow(scene());
+  host_->touched.prepare(topology().mass, frame().fixed, topology().dimension == 2);
 }
 
 void DeviceSolver::build() {
@@ -63,15 +78,18 @@ void DeviceSolver::build() {
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
   std::vector<Index> domains;
   if (backend_ == GlBackend::compute) {
-    context_->run(
-        [&] { device_ = make_compute_device(std::move(tables), topology(), scene(), tools_, library, domains); });
+    context_->run([&] {
+      device_ = make_compute_device(std::move(tables), topology(), scene(), tools_, acts_on_host(), library, domains);
+    });
   } else {
-    context_->run([&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, library); });
+    context_->run(
+        [&] { device_ = std::make_unique<FragmentDevice>(tables, scene(), tools_, acts_on_host(), library); });
     domains = std::move(tables.domains.source);
   }
   if (!topology().dissipation.empty()) dissipation_.emplace(topology(), std::move(domains));
   dissipation_dt_ = 0.0;
   joints_told_ = false;
+  follow_on_host();
   if (profiling()) context_->run([&] { device_->time_passes(context_->info(), *profiling()); });
   context_->throw_debug_errors();
 }
@@ -131,15 +149,17 @@ void DeviceSolver::do_reset(const State& state) {
   if (!device_ || context_->lost()) rebuild();
   follow();
   context_->run([&] {
-    FloatTools tools = tools_;
-    tools.reset(scene(), state);
-    device_->write_needles(tools);
-    tools_ = std::move(tools);
+    tools_.reset(scene(), state);
     device_->drop_copies();
     device_->write(topology().rest, state);
     device_->set_held(tools_);
     joints_told_ = false;
   });
+  if (host_) {
+    host_->tools.reset(scene(), state);
+    host_->touching.forget();
+    host_->step.forget();
+  }
   kept_ = state;
   progress_ = {.time = state.time, .last_dt = 0.0, .steps_at_rest = 0, .largest_displacement = largest};
 }
@@ -148,10 +168,14 @@ void DeviceSolver::do_reset(const State& state) {
 void DeviceSolver::follow() {
   if (loads_version_ == scene().version()) return;
   FloatTools tools = tools_;
-  context_->run([&] { device_->read_needles(tools); });
   tools.follow(scene());
-  context_->run([&] { device_->set_scene(scene(), tools); });
+  const bool on_host = acts_on_host();
+  for (std::size_t row = 0; host_ && row < scene().tools().size(); ++row) {
+    if (const MovedTool* const moved = host_->tools.find(scene().tools()[row].id)) tools.set_moved(row, *moved);
+  }
+  context_->run([&] { device_->set_scene(scene(), tools, on_host); });
   tools_ = std::move(tools);
+  follow_on_host();
   joints_told_ = false;
   loads_version_ = scene().version();
   seconds_a_step_ = 0.0;
@@ -182,12 +206,9 @@ SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
 void DeviceSolver::do_read(State& state) const {
   if (device_ && !context_->lost()) {
     State now;
-    context_->run([&] {
-      device_->read(topology().rest, now);
-      device_->read_needles(tools_);
-    });
+    context_->run([&] { device_->read(topology().rest, now); });
     now.time = progress_.time;
-    tools_.read(now);
+    read_tools(now);
     joints().read(now);
     if (!context_->lost()) kept_ = std::move(now);
   }
@@ -246,8 +267,7 @@ void DeviceSolver::do_request_read() {
   State header;
   header.time = progress_.time;
   on_device([&] {
-    device_->read_needles(tools_);
-    tools_.read(header);
+    read_tools(header);
     joints().read(header);
     device_->request_copy(header);
   });

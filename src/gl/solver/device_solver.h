@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The backends "gl" and "gl-compute": state and constants on the device, one small read a call.
+// The backends "gl" and "gl-compute": state and constants on the device, one small read a batch of steps. What searches
+// or goes in order acts on the host, in open steps: needles, tools that touch surfaces, on "gl" contacts too, and with
+// any of these all tools, contacts and kept volumes.
 #pragma once
 
 #include <phymul/backend.h>
@@ -11,7 +13,11 @@
 #include "device.h"
 #include "device/float_dissipation.h"
 #include "device/float_tables.h"
+#include "device_step.h"
 #include "gl/context/context.h"
+#include "interaction/tool_set.h"
+#include "interaction/touching.h"
+#include "solver/step_order.h"
 
 namespace phymul::gl {
 
@@ -30,6 +36,8 @@ class DeviceSolver final : public SolverBackend {
   bool enumerated() const { return layout_ == FloatLayout::enumerated; }
 
  private:
+  friend StepOrder;
+
   void do_reset(const State& state) override;
   void do_scene_changed() override { progress_.steps_at_rest = 0; }
   Motion do_step(const StepPlan& plan) override;
@@ -43,9 +51,11 @@ class DeviceSolver final : public SolverBackend {
   ParticleBuffer do_position_buffer() const override;
   std::string do_device() const override { return context_->info().device(); }
   void do_profile() const override;
-  const char* do_cannot() const override;
+  const char* do_cannot() const override { return beyond_devices(); }
   bool do_takes_tools() const override { return true; }
-  const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
+  const ToolReport& do_tool_report(std::size_t row) const override {
+    return host_ ? host_->tools.report(scene().tools()[row]) : tools_.report(scene().tools()[row]);
+  }
 
   void build();
   void drop() noexcept;
@@ -53,7 +63,10 @@ class DeviceSolver final : public SolverBackend {
   void recover() noexcept;
   template <class Function>
   auto on_device(Function&& function) const;
+  bool acts_on_host() const;
+  void follow_on_host();
   void follow();
+  void read_tools(State& state) const { host_ ? host_->tools.read(state) : tools_.read(state); }
   StrainMemory strains() const;
   void begin_joints();
   void accept_motion(int steps, double dt);
@@ -61,6 +74,32 @@ class DeviceSolver final : public SolverBackend {
   void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
   bool run_batch(const StepPlan& plan, int count, Motion& motion);
+  Motion run_on_host(const StepPlan& plan);
+  void begin_tools_on_host(int steps, double dt);
+  int steps_out_of_reach(const StepPlan& plan, int remaining);
+  bool pass_on_host(const StepPlan& plan, int steps, Motion& motion);
+
+  // Stages of StepOrder, of a step that the host acts in.
+  static bool has_joints() { return false; }
+  static bool has_substeps() { return false; }
+  static bool has_implicit_joints() { return false; }
+  static bool touches() { return true; }
+  void begin(const StepPlan& plan);
+  static void pull_joints(const StepPlan& /*plan*/) {}
+  static void find_forces(const StepPlan& /*plan*/, bool /*last*/) {}
+  static void add_substeps(const StepPlan& /*plan*/) {}
+  static void limit(const StepPlan& /*plan*/) {}
+  static void solve_joints(const StepPlan& /*plan*/) {}
+  void predict(const StepPlan& plan);
+  int touch(const StepPlan& plan);
+  Index move(const StepPlan& plan, Motion& motion);
+  void accept(const StepPlan& plan, Motion& motion);
+  void drop_step();
+  RestThresholds rest_now(const StepPlan& plan, const Motion& motion) const;
+  int& steps_at_rest() { return progress_.steps_at_rest; }
+
+  void take_over(const StepPlan& plan, int steps, const BatchReport& report, Motion& motion);
+  StepConstants constants_of(const StepPlan& plan) const;
   int batch_size(const StepPlan& plan, int remaining) const;
 
   GlBackend backend_;
@@ -70,6 +109,16 @@ class DeviceSolver final : public SolverBackend {
   std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
   mutable FloatTools tools_{Device::most_steps};
+  struct OnHost {
+    explicit OnHost(const Model& model) : step(model) {}
+    cpu::ToolSet tools;
+    cpu::Touching touching;
+    TouchedParticles touched;
+    DeviceStep step;
+    double longest_way = 0.0;  // m, of the step in question
+    BatchReport report;        // of it
+  };
+  std::unique_ptr<OnHost> host_;  // null where nothing acts there
   std::optional<FloatDissipation> dissipation_;
   double dissipation_dt_ = 0.0;             // s, that the device has the constants of; 0: none
   bool joints_told_ = false;                // the device knows which springs are broken
@@ -79,6 +128,7 @@ class DeviceSolver final : public SolverBackend {
     double time = 0.0, last_dt = 0.0;
     int steps_at_rest = 0;
     double largest_displacement = 0.0;  // m, when the present batch began
+    double fastest = 0.0;               // m/s, that a particle may well be in the next step, where the host acts
   } progress_;
   std::vector<double> instants_;  // of a batch
   double seconds_a_step_ = 0.0;   // wall clock; 0: not known yet

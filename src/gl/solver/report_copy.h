@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// ReportCopy: the two rows of a report, and behind them what tools have felt, which volumes were lost, how needles are
-// and how many phases contacts took, read from the device at a time.
+// ReportCopy: the two rows of a report, and behind them what tools have felt and which volumes were lost, read from the
+// device at a time.
 #pragma once
 
 #include "gl/context/gl_api.h"

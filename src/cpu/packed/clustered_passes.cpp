@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "clustered_passes.h"
+
+#include <cstdint>
+#include <cstring>
+
+#include "base/compiler.h"
+#include "base/denormals.h"
+
+namespace phymul::cpu {
+namespace {
+
+/// Bytes a step above which rows that a kernel reads once come from so far that it gains by asking for them ahead.
+constexpr double near_caches = 8e6;
+
+/// `u`: 16 bytes a particle; `near`: as many a slot. The last slot, which stands for nothing, is set to 0. Returns
+/// `near`.
+const char* near_displacements(const Cluster& cluster, const char* u, char* const near) {
+  char* to = near;
+  std::memcpy(to, u + 16 * static_cast<std::size_t>(cluster.first), 16 * static_cast<std::size_t>(cluster.own));
+  to += 16 * static_cast<std::size_t>(cluster.own);
+  for (const std::int32_t quad : cluster.halo) {
+    std::memcpy(to, u + 16 * static_cast<std::size_t>(quad), 16);
+    to += 16;
+  }
+  std::memset(to, 0, 16);
+  return near;
+}
+
+constexpr std::size_t page = 4096;
+
+/// The first place from `near` on that is half a page from `other`, whole pages aside. Processors take a load for one
+/// of a recent store where the two agree in their last twelve bits: a slot's displacement must not stand there relative
+/// to its force, or the kernels run at half their pace.
+char* half_a_page_from(const char* other, char* near) {
+  const auto distance = reinterpret_cast<std::uintptr_t>(other) + page / 2 - reinterpret_cast<std::uintptr_t>(near);
+  return near + distance % page;
+}
+
+/// Asks for them ahead, into the second cache: a halo lies scattered in memory, where no processor foresees it.
+void ask_for_displacements(const Cluster& cluster, const char* u) {
+  const char* own = u + 16 * static_cast<std::size_t>(cluster.first);
+  for (std::size_t k = 0; k < 16 * static_cast<std::size_t>(cluster.own); k += 64) PHYMUL_PREFETCH_LATER(own + k);
+  for (const std::int32_t quad : cluster.halo) {
+    PHYMUL_PREFETCH_LATER(u + 16 * static_cast<std::size_t>(quad));
+  }
+}
+
+char* bytes_of(Floats& floats) {
+  return reinterpret_cast<char*>(floats.data());
+}
+
+}  // namespace
+
+ClusteredPasses::ClusteredPasses(const PackedBody& body, const simd::Kernels& kernels, int parts, bool far)
+    : body_(body),
+      kernels_(kernels),
+      claims_(body, parts),
+      near_u_(static_cast<std::size_t>(parts), Floats(4 * body.most_slots() + page, 0.0f)),
+      rows_far_(body.bytes_a_step() > near_caches),
+      far_(far) {}
+
+void ClusteredPasses::run(const char* u, char* force, char* pull, ThreadPool& pool, WorkLaps& laps, WorkLaps& no_laps) {
+  claims_.begin();
+  pool.run([&](int part, int) {
+    const DenormalsAreZero guard;
+    for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) {
+      // Part 0 is the calling thread; the others write no times.
+      add_cluster(c, u, force, pull, bytes_of(near_u_[static_cast<std::size_t>(part)]), part == 0 ? laps : no_laps);
+    }
+  });
+  laps.end(Work::waiting);
+}
+
+void ClusteredPasses::add_cluster(int c, const char* u, char* force, char* pull, char* near, WorkLaps& laps) const {
+  const Cluster& cluster = body_.clusters[static_cast<std::size_t>(c)];
+  simd::Job job = cluster.job;
+  if (pull) job.pull = pull + 16 * static_cast<std::size_t>(cluster.first);
+  if (force) {
+    job.force = force + 16 * cluster.force_first;
+    std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
+  }
+  job.rows_far = rows_far_;
+  job.far = far_;
+  job.u = near_displacements(cluster, u, half_a_page_from(job.force ? job.force : job.pull, near));
+  if (far_ && c + 1 < static_cast<int>(body_.clusters.size())) {
+    ask_for_displacements(body_.clusters[static_cast<std::size_t>(c) + 1], u);
+  }
+  laps.end(Work::gathering);
+  if (job.bases.count > 0) {
+    kernels_.bases[static_cast<int>(body_.use)][body_.plane](job);
+    laps.end(Work::bases);
+  }
+  if (job.enumerated.count > 0) {
+    kernels_.enumerated[body_.use == simd::BaseUse::averaged](job);
+    laps.end(Work::enumerated_bases);
+  }
+  if (job.springs.count > 0) {
+    kernels_.springs(job);
+    laps.end(Work::springs);
+  }
+  if (job.volumes.count > 0) {
+    kernels_.volumes[body_.plane][body_.bounded](job);
+    laps.end(Work::volumes);
+  }
+}
+
+}  // namespace phymul::cpu
