@@ -176,6 +176,61 @@ TEST_P(GlHostStep, OutOfReachNothingChanges) {
   }
 }
 
+/// A tool that waits is met by a body that comes, also by one that was slow when it was last looked at; and a tool that
+/// comes from afar meets the body.
+TEST_P(GlHostStep, WhatComesIsMet) {
+  for (const char* what : {"thrown", "accelerated", "tool"}) {
+    SCOPED_TRACE(what);
+    const bool thrown = what == std::string("thrown"), tool = what == std::string("tool");
+    Scene scene(model_);
+    scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = above_block(0.009), .contact = ToolContact::surface});
+    if (tool) scene.fix("z0").tool("ball").teleport(above_block(0.02));
+    BesideReference pair(model_, scene, damped(0.0), GetParam());
+    State start = rest_state(model_);
+    for (Vec3& v : start.velocity) v = {0, 0, thrown ? 0.6 : 0.0};
+    pair.device->reset(start);
+    pair.reference->reset(start);
+    if (tool) {
+      ToolPose moving = above_block(0.02);
+      moving.velocity = {0, 0, -0.8};
+      scene.tool("ball").move_to(moving);
+    }
+    if (!thrown && !tool) {
+      ASSERT_TRUE(all_step(2, pair.dt, pair.device, pair.reference));
+      scene.gravity({0, 0, 50});
+    }
+    double force = 0.0;  // N. Later the body crumples, and rounding decides how.
+    for (int k = 0; k < 40 && force < 0.05; ++k) {
+      ASSERT_TRUE(all_step(k == 0 ? 150 : 12, pair.dt, pair.device, pair.reference));
+      EXPECT_LE(largest_distance(pair.device->read().position, pair.reference->read().position), 5e-7) << k;
+      const ToolForce own = pair.device->tool_force("ball"), exact = pair.reference->tool_force("ball");
+      EXPECT_NEAR(own.mean_force.norm(), exact.mean_force.norm(), 1e-4 * exact.mean_force.norm()) << k;
+      EXPECT_EQ(pair.device->tool_pose("ball"), pair.reference->tool_pose("ball"));
+      force = std::max(force, exact.mean_force.norm());
+    }
+    EXPECT_GE(force, 0.05);
+  }
+}
+
+/// Forces that the limit of the displacement withholds are borne by what pushes against them.
+TEST_P(GlHostStep, WithheldForcesAreBorne) {
+  options_.max_displacement_per_step = 1e-4;
+  Scene scene = Scene(model_).fix("z0").add_tool(
+      "ball", {.shape = Sphere{0.005}, .pose = above_block(1e-4), .contact = ToolContact::surface});
+  const auto device = make(scene);
+  const auto reference = make_solver("reference", tables_, scene, options_);
+  scene.tool("ball").move_to(above_block(-3e-3));
+  bool clamped = false;
+  for (int k = 0; k < 5; ++k) {
+    const StepReport report = reference->step(20, dt_);
+    clamped = clamped || report.force_clamped;
+    ASSERT_TRUE(report.ok() && device->step(20, dt_).ok());
+    const Vec3 own = device->tool_force("ball").mean_force, exact = reference->tool_force("ball").mean_force;
+    EXPECT_LE((own - exact).norm(), 1e-4 * exact.norm() + 1e-6) << k;
+  }
+  EXPECT_TRUE(clamped) << "or this shows nothing";
+}
+
 /// What a jaw holds it goes on to hold where a needle makes it act on the host, and where that is gone again.
 TEST_P(GlHostStep, AToolGoesOnWhereItActsElsewhere) {
   Scene scene = Scene(model_).fix("z0");

@@ -35,7 +35,7 @@ SolverBackend::Motion DeviceSolver::run_on_host(const StepPlan& plan) {
 
 /// 0: something may touch the body in the next few.
 int DeviceSolver::steps_out_of_reach(const StepPlan& plan, int remaining) {
-  if (progress_.fastest == 0.0) return 0;
+  if (progress_.fastest < 0.0) return 0;
   const int most = plan.stop_at_rest ? std::min(remaining, plan.rest_steps) : remaining;
   for (const int batch : batches) {
     const int steps = std::min(batch, most);

@@ -128,7 +128,7 @@ class DeviceSolver final : public SolverBackend {
     double time = 0.0, last_dt = 0.0;
     int steps_at_rest = 0;
     double largest_displacement = 0.0;  // m, when the present batch began
-    double fastest = 0.0;               // m/s, that a particle may well be in the next step, where the host acts
+    double fastest = -1.0;  // m/s, that a particle may well be in the next step, where the host acts; -1: unknown
   } progress_;
   std::vector<double> instants_;  // of a batch
   double seconds_a_step_ = 0.0;   // wall clock; 0: not known yet
