@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a contact does: press() and part() of BodyContacts in src/cpu. Needs kernel_language.glsl.
+// What a contact does: press() and part() of BodyContacts in src/interaction. Needs kernel_language.glsl.
 
 uniform float friction, inverse_dt;
 uniform float parted_share, largest_parting;  // of an overlap; of an edge

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Where a particle of a surface is seen from a triangle, and which of them it meets: look() and keep() of BodyContacts
-// in src/cpu. Needs contact_range.glsl, kernel_language.glsl, closest_point.glsl, and of the tables triangle_edge(),
+// in src/interaction. Needs contact_range.glsl, kernel_language.glsl, closest_point.glsl, and of the tables triangle_edge(),
 // rest_between() and way_between().
 
 uniform float skin;          // m; 0: a share of edges

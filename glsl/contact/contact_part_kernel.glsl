@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // What contacts come to, a lane for each particle of a surface: its impulses as a force over the step, and the little
-// way by which overlaps part in a step (BodyContacts::part of src/cpu), gathered over its contacts in ascending order.
+// way by which overlaps part in a step (BodyContacts::part of src/interaction), gathered over its contacts in ascending order.
 // Needs pushed_tables.glsl, contact_tables.glsl, kernel_language.glsl and contact_law.glsl.
 
 layout(local_size_x = GROUP) in;

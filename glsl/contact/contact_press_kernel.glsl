@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Sweeps over all contacts, by one group, with the result of one after another in ascending order: BodyContacts::press
-// of src/cpu. A contact's turn has come when each of its particles has been through all contacts before it in the
+// of src/interaction. A contact's turn has come when each of its particles has been through all contacts before it in the
 // particle's list, which is counted in turns: its ticket. Of those whose turn it is no two share a particle. Contacts far
 // from each other are pressed at the same time, those of the next sweep too, and no result depends on which lane came
 // first. Every phase presses at least one; what a dispatch leaves the next one does.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The nearest triangle of each body to each particle of a surface, a lane each, as BodyContacts of src/cpu finds it: a
+// The nearest triangle of each body to each particle of a surface, a lane each, as BodyContacts of src/interaction finds it: a
 // lane looks at the triangles of the 27 cells about it in a fixed order. What is near enough to meet within the step is
 // a contact. Needs contact_tables.glsl and contact_nearest.glsl.
 

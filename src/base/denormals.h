@@ -3,7 +3,7 @@
 
 #include "compiler.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// While it lives, this thread takes numbers below 1e-38 for 0: a body that comes to rest passes through them, and many
 /// processors need a hundred times longer for each. Collapsed bodies do too, and end at the same bits on x86-64 and ARM
@@ -19,4 +19,4 @@ class DenormalsAreZero {
   unsigned long long before_;
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

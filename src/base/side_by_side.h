@@ -29,7 +29,7 @@ void side_by_side(Index rows, TaskRunner* host, const First& first, const Second
     return;
   }
   std::array<std::exception_ptr, 2> thrown;
-  cpu::ThreadPool pool(rows >= worth_a_thread ? std::min(2, host->width()) : 1, host);
+  ThreadPool pool(rows >= worth_a_thread ? std::min(2, host->width()) : 1, host);
   pool.run([&](int part, int parts) {
     for (int half = part; half < 2; half += parts) {
       try {

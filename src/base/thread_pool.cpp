@@ -5,7 +5,7 @@
 
 #include "compiler.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Some 10 microseconds of pauses, as long as parts of a step differ: an offer of the processor takes half a
@@ -116,4 +116,4 @@ void ThreadPool::run_if_not_taken(int part, std::uint32_t round) {
   parts_[part].finished.notify_one();
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

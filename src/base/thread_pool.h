@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// run() calls work(part, parts) once for each part 0 <= part < parts(), part 0 on the calling thread, and returns when
 /// all have returned. Each other part has a thread of its own; where that has not begun by the time the caller is done,
@@ -68,4 +68,4 @@ class ThreadPool {
   const std::function<void(int)> task_;  // what a host is given: made once, because steps do not allocate
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace phymul::cpu {
+namespace phymul {
 
 template <class S>
 struct Vector3 {
@@ -54,4 +54,4 @@ Vector3<S> select(const Mask& mask, const Vector3<S>& a, const Vector3<S>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -63,7 +63,7 @@ class FloatTools {
   /// m, of the rest shape: what places are seen from. 0 without tools.
   const Vec3& middle() const { return middle_; }
 
-  /// As ToolSet::report of src/cpu.
+  /// As ToolSet::report of src/interaction.
   const ToolReport& report(const SceneTool& wanted) const;
 
   const std::vector<Float4>& laws() const { return laws_; }  ///< [count][law_rows]

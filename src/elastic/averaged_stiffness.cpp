@@ -34,8 +34,7 @@ Mat3 AveragedStiffness::stress(Index d, const Eigen::VectorXd& u) const {
     for (int axis = 0; axis < 3; ++axis) H.col(axis) += difference * area[axis];
   });
   H *= domain.inverse_volume;
-  const Mat3 P =
-      cpu::stress_near_rest<double>(t.options.strain_energy, t.energy_of(d), H) - domain.spread_stiffness * H;
+  const Mat3 P = stress_near_rest<double>(t.options.strain_energy, t.energy_of(d), H) - domain.spread_stiffness * H;
   return P;
 }
 

@@ -40,7 +40,7 @@ inline void count_beyond_law(double condition, Index particle, StrainSummary& to
 inline Mat3 mean_stress(const TopologyTextures& t, Index d, const Mat3& H) {
   const DomainTexel& domain = t.domains[d];
   Mat3 P;
-  cpu::energy_density<double>(t.options, t.energy_of(d), Mat3::Identity() + H, &P);
+  energy_density<double>(t.options, t.energy_of(d), Mat3::Identity() + H, &P);
   P -= domain.spread_stiffness * H;
   if (t.dimension == 2) P.row(2).setZero();  // nothing but rounding, which would leave the plane
   return P;
@@ -75,7 +75,7 @@ double domain_energy(const TopologyTextures& t, const Displacement& displacement
     const double factor = factor_of(t, d, factors);
     const DomainTexel& domain = t.domains[d];
     const Mat3 H = mean_gradient(t, d, displacement);
-    const double density = cpu::energy_density<double>(t.options, t.energy_of(d), Mat3::Identity() + H, nullptr);
+    const double density = energy_density<double>(t.options, t.energy_of(d), Mat3::Identity() + H, nullptr);
     energy += factor * (density - 0.5 * domain.spread_stiffness * H.squaredNorm()) / domain.inverse_volume;
     const Vec3 own = displacement(d);
     for (const LinkTexel& link : t.links_of(d)) {  // each from both sides

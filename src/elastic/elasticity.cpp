@@ -18,8 +18,6 @@
 namespace phymul {
 namespace {
 
-using cpu::BaseFrame;
-
 /// A base as it stands: its frame, and P*_t - x_i.
 struct BaseNow {
   BaseFrame<double> frame;
@@ -28,7 +26,7 @@ struct BaseNow {
 
 BaseFrame<double> frame_of(const TopologyTextures& topology, const BaseTexel& base, std::span<const Vec3> x) {
   const Vec3 &xa = x[base.vertex[0]], &xb = x[base.vertex[1]];
-  return topology.dimension == 2 ? cpu::base_frame_2d(xa, xb) : cpu::base_frame_3d(xa, xb, x[base.vertex[2]]);
+  return topology.dimension == 2 ? base_frame_2d(xa, xb) : base_frame_3d(xa, xb, x[base.vertex[2]]);
 }
 
 BaseNow base_now(const TopologyTextures& topology, Index t, Index i, std::span<const Vec3> x) {
@@ -59,8 +57,8 @@ Vec3 attractor_pull(const TopologyTextures& topology, Index i, std::span<const V
 /// Gives to the vertices of base t what its owner's force F costs them.
 void react(const TopologyTextures& topology, Index t, const BaseNow& now, const Vec3& F, std::span<Vec3> force) {
   const BaseTexel& base = topology.bases[t];
-  const auto on = topology.dimension == 2 ? cpu::base_reaction_2d(now.frame, topology.lambda[t], base.beta, F)
-                                          : cpu::base_reaction_3d(now.frame, topology.lambda[t], base.beta, F);
+  const auto on = topology.dimension == 2 ? base_reaction_2d(now.frame, topology.lambda[t], base.beta, F)
+                                          : base_reaction_3d(now.frame, topology.lambda[t], base.beta, F);
   for (int corner = 0; corner < topology.dimension; ++corner) force[base.vertex[corner]] += on[corner];
 }
 
@@ -120,11 +118,11 @@ void volume_forces(const TopologyTextures& topology, std::span<const Vec3> x, st
     const auto& v = term.vertex;
     if (topology.dimension == 2) {
       const auto on =
-          cpu::triangle_area_forces<double>(law, {x[v[0]], x[v[1]], x[v[2]]}, term.inverse_rest_volume, term.stiffness);
+          triangle_area_forces<double>(law, {x[v[0]], x[v[1]], x[v[2]]}, term.inverse_rest_volume, term.stiffness);
       for (int corner = 0; corner < 3; ++corner) force[v[corner]] += on[corner];
     } else {
-      const auto on = cpu::tetrahedron_volume_forces<double>(law, {x[v[0]], x[v[1]], x[v[2]], x[v[3]]},
-                                                             term.inverse_rest_volume, term.stiffness);
+      const auto on = tetrahedron_volume_forces<double>(law, {x[v[0]], x[v[1]], x[v[2]], x[v[3]]},
+                                                        term.inverse_rest_volume, term.stiffness);
       for (int corner = 0; corner < 4; ++corner) force[v[corner]] += on[corner];
     }
   }
@@ -134,11 +132,10 @@ double volume_energy(const TopologyTextures& topology, std::span<const Vec3> x) 
   double energy = 0.0;
   for (const VolumeTexel& term : topology.volumes) {
     const auto& v = term.vertex;
-    const double J =
-        topology.dimension == 2
-            ? cpu::triangle_ratio<double>({x[v[0]], x[v[1]], x[v[2]]}, term.inverse_rest_volume)
-            : cpu::tetrahedron_ratio<double>({x[v[0]], x[v[1]], x[v[2]], x[v[3]]}, term.inverse_rest_volume);
-    energy += term.stiffness * cpu::volume_energy_density(topology.options.volume_law, J);
+    const double J = topology.dimension == 2
+                         ? triangle_ratio<double>({x[v[0]], x[v[1]], x[v[2]]}, term.inverse_rest_volume)
+                         : tetrahedron_ratio<double>({x[v[0]], x[v[1]], x[v[2]], x[v[3]]}, term.inverse_rest_volume);
+    energy += term.stiffness * volume_energy_density(topology.options.volume_law, J);
   }
   return energy;
 }
@@ -167,8 +164,8 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
   for (Vec3& f : force) f.setZero();
   if (topology.base_count > 0) shape_forces(topology, position, force);
   for (const SpringTexel& spring : topology.springs) {
-    const Vec3 F = cpu::spring_force<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length,
-                                             spring.stiffness);
+    const Vec3 F =
+        spring_force<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length, spring.stiffness);
     force[spring.end[0]] += F;
     force[spring.end[1]] -= F;
   }
@@ -195,7 +192,7 @@ StrainSummary strain_summary(const TopologyTextures& topology, std::span<const V
   const auto displacement = displacements_at(topology, position);
   for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
     const Mat3 F = Mat3::Identity() + mean_gradient(topology, d, displacement);
-    const double condition = cpu::squared_condition<double>(topology.options.strain_energy, topology.energy_of(d), F);
+    const double condition = squared_condition<double>(topology.options.strain_energy, topology.energy_of(d), F);
     largest = std::max(largest, condition);
     count_beyond_law(condition, topology.domains[d].particle, found);
   }
@@ -212,8 +209,8 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
   require_sizes(topology, "elastic_energy", position.size(), position.size());
   double energy = topology.base_count > 0 ? shape_energy(topology, position) : 0.0;
   for (const SpringTexel& spring : topology.springs) {
-    energy += cpu::spring_energy<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length,
-                                         spring.stiffness);
+    energy +=
+        spring_energy<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length, spring.stiffness);
   }
   energy += volume_energy(topology, position);
   return energy + domain_energy(topology, displacements_at(topology, position), factors);

@@ -18,7 +18,7 @@
 #include "base/inverse_cube_root.h"
 #include "force_volume.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 template <class S>
 using Mat = Eigen::Matrix<S, 3, 3>;
@@ -137,4 +137,4 @@ S energy_density(const TopologyOptions& options, const std::array<S, most_energy
   return energy + volume_energy(F, p[1], options.volume_law, gradient);
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

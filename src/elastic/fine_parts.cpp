@@ -34,7 +34,7 @@ constexpr double finer = 1.25;
 std::vector<double> own_rates(const TopologyTextures& t) {
   std::vector<double> rate(t.rest.size(), 0.0);
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
-    const auto [mu, lambda] = cpu::lame_at_rest<double>(t.energy_of(d));
+    const auto [mu, lambda] = lame_at_rest<double>(t.energy_of(d));
     const double inverse_volume = t.domains[d].inverse_volume;
     const Index i = t.domains[d].particle;
     Vec3 own = Vec3::Zero();

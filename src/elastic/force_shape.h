@@ -11,7 +11,7 @@
 #include <array>
 #include <cmath>
 
-namespace phymul::cpu {
+namespace phymul {
 
 template <class S>
 using Vec = Eigen::Matrix<S, 3, 1>;
@@ -79,4 +79,4 @@ std::array<Vec<S>, 3> base_reaction_2d(const BaseFrame<S>& f, const std::array<S
   return {-(force + on_b), on_b, Vec<S>::Zero()};
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

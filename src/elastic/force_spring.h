@@ -6,7 +6,7 @@
 
 #include "force_shape.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 template <class S>
 Vec<S> spring_force(const Vec<S>& first, const Vec<S>& second, S rest_length, S stiffness) {
@@ -22,4 +22,4 @@ S spring_energy(const Vec<S>& first, const Vec<S>& second, S rest_length, S stif
   return S(0.5) * stiffness * stretch * stretch;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -10,7 +10,7 @@
 
 #include "force_shape.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// Of J - 1, beyond which the bounded law is linear.
 template <class S>
@@ -60,4 +60,4 @@ std::array<Vec<S>, 3> triangle_area_forces(VolumeLaw law, const std::array<Vec<S
   return {-(f1 + f2), f1, f2};
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

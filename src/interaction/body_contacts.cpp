@@ -8,7 +8,7 @@
 
 #include "closest_point.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 constexpr double usual_skin = ContactSurface::usual_skin;
@@ -231,4 +231,4 @@ void BodyContacts::act(TouchedParticles& touched) {
   for (const Contact& contact : contacts_) part(contact, touched);
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -19,7 +19,7 @@
 #include "contact_surface.h"
 #include "predicted_step.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 class BodyContacts {
  public:
@@ -72,4 +72,4 @@ class BodyContacts {
   std::vector<Contact> contacts_;
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

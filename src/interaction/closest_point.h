@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// Barycentric coordinates of the point of triangle a, b, c that is nearest to p, by the regions of its corners and
 /// edges (C. Ericson, Real-Time Collision Detection, 2005, 5.1.5). A triangle without area gives one of its corners or
@@ -41,4 +41,4 @@ inline Vec3 closest_point(const Vec3& p, const Vec3& a, const Vec3& b, const Vec
   return {1.0 - v - w, v, w};
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

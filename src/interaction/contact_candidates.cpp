@@ -6,7 +6,7 @@
 
 #include "closest_point.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Of a length: more than rounding makes of it, and of the coordinates between which it is measured.
@@ -311,4 +311,4 @@ std::span<const ContactCandidates::Near> ContactCandidates::keep(std::size_t par
   return near_;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -19,7 +19,7 @@
 #include "base/box_tree.h"
 #include "contact_surface.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 class ContactCandidates {
  public:
@@ -123,4 +123,4 @@ class ContactCandidates {
   std::vector<Near> near_;                         // of the particle in question
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -13,7 +13,7 @@
 #include "contact_surface.h"
 #include "tool_shape.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Along an edge of a triangle: the fewest, where the tool's radius is not known, and the most.
@@ -108,4 +108,4 @@ ContactPoints make_particle_points(const Model& model) {
   return made;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-namespace phymul::cpu {
+namespace phymul {
 
 struct ContactPoints {
   using Shares = std::array<double, 3>;  // of a patch's corners in a point, sum 1
@@ -37,4 +37,4 @@ ContactPoints make_contact_points(const Model& model, const Tool& tool);
 /// All particles, as of ToolContact::particles.
 ContactPoints make_particle_points(const Model& model);
 
-}  // namespace phymul::cpu
+}  // namespace phymul

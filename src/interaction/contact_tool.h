@@ -6,7 +6,7 @@
 
 #include "distance_to_shape.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 template <class S>
 struct ContactLaw {
@@ -111,4 +111,4 @@ Touch<S> touch_in_step(const ShapeIn<S>& shape, const ContactLaw<S>& law, const 
   return in.depth > S(0.0f) ? touch_at_depth(shape, law, in, q0, way, inverse_mass, dt) : Touch<S>{};
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -7,7 +7,7 @@
 #include "base/vector3.h"
 #include "shape_kind.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// Distances at the corners of cubes, x fastest; linear in between.
 template <class S>
@@ -126,4 +126,4 @@ Distance<S> distance_to(const ShapeIn<S>& shape, const Vector3<S>& q) {
   return distance;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -6,7 +6,7 @@
 
 #include "model/enclosed_volume.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 void KeptVolumes::follow(const Scene& scene) {
   surfaces_.clear();
@@ -64,4 +64,4 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   return true;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -9,7 +9,7 @@
 
 #include "predicted_step.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 class KeptVolumes {
  public:
@@ -31,4 +31,4 @@ class KeptVolumes {
   std::vector<Surface> surfaces_;
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -8,7 +8,7 @@
 #include "needle_path.h"
 #include "needle_shaft.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// By how much a held node counts as softer than it is: two nodes that move as one leave no system singular.
@@ -147,4 +147,4 @@ void NeedlePath::couple_sideways(double dt) {
   if (in_place.info() != Eigen::Success) held_.clear();
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

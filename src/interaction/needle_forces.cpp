@@ -6,7 +6,7 @@
 #include "needle_shaft.h"
 #include "scene/needle_measures.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Sweeps over the nodes of a step: after them, on a straight insertion, nodes lie within some 1e-3 of a step's motion
@@ -180,4 +180,4 @@ void NeedlePath::accept() {
   state_.shaft = loads_;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

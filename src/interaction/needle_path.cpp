@@ -8,7 +8,7 @@
 #include "needle_weights.h"
 #include "scene/needle_measures.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Share of a triangle's side by which it is taken to be larger: a way along a line of the mesh must not pass between
@@ -160,4 +160,4 @@ void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {
   lengthen(step, line);
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -16,7 +16,7 @@
 #include "predicted_step.h"
 #include "tool_frame.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 class NeedlePath {
  public:
@@ -111,4 +111,4 @@ class NeedlePath {
   std::vector<ShaftLoad> loads_;  // of this step
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

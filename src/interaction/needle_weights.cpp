@@ -4,7 +4,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Least over largest eigenvalue of the moments below which particles lie in a plane, or all but.
@@ -37,4 +37,4 @@ NeedleNode spread_weights(const PredictedStep& step, std::span<const Index> arou
   return node;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

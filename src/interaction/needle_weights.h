@@ -7,7 +7,7 @@
 
 #include "predicted_step.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// Weights of the particles within `support_radius` of a point, whose sum is 1 and whose weighted mean place is the
 /// point itself: moving least squares with a linear basis, (1 - (r / support_radius)^2)^2 as weight function. So a
@@ -15,4 +15,4 @@ namespace phymul::cpu {
 NeedleNode spread_weights(const PredictedStep& step, std::span<const Index> around, const Vec3& x,
                           double support_radius);
 
-}  // namespace phymul::cpu
+}  // namespace phymul

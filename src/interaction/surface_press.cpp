@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Of the longest edge at rest: what tool and body may use up lasts some tens of steps of a hand.
@@ -235,4 +235,4 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
   }
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

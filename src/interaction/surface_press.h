@@ -29,7 +29,7 @@
 #include "predicted_step.h"
 #include "tool_frame.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// Whether a step is much shorter than the last one. The rounds of a long step leave points inside by more than those
 /// of a short one, which would push them out with a blow; as if the tool had been put over them they come out without.
@@ -111,4 +111,4 @@ class SurfacePress {
   double gone_ = NAN, going_ = 0.0;  // m, of its step
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -7,7 +7,7 @@
 
 #include "base/vector3.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 inline Vector3<double> unpacked(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
@@ -32,4 +32,4 @@ inline void react(ToolForce& force, const ToolFrame& end, const Vec3& at, const 
   ++force.particles;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -3,14 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tool_shape.h"
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
-
-constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// The world's box around one in the tool's frame.
 void grow(Region& region, const ToolFrame& frame, const Region& own) {
@@ -26,14 +23,14 @@ Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolF
                     double more) {
   Region region;
   if (shape.kind == ShapeKind::half_space) {
-    region.low = Vec3::Constant(-infinite);
-    region.high = Vec3::Constant(infinite);
+    region.low = Vec3::Constant(-HUGE_VAL);
+    region.high = Vec3::Constant(HUGE_VAL);
     region.normal = end.turn.col(2);
     region.offset = region.normal.dot(end.position) + shape.margin + more;
     return region;
   }
-  region.low = Vec3::Constant(infinite);
-  region.high = Vec3::Constant(-infinite);
+  region.low = Vec3::Constant(HUGE_VAL);
+  region.high = Vec3::Constant(-HUGE_VAL);
   grow(region, start, own);
   grow(region, end, own);
   const double cosine = 0.5 * ((start.turn.transpose() * end.turn).trace() - 1.0);
@@ -193,7 +190,7 @@ bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<b
     if (tool.shape.kind == ShapeKind::half_space) return true;  // a floor is always under something
     Region own = tool.bounds;
     if (tool.needle) own.high.z() += tool.needle->length();
-    Region all{.low = Vec3::Constant(infinite), .high = Vec3::Constant(-infinite)};
+    Region all{.low = Vec3::Constant(HUGE_VAL), .high = Vec3::Constant(-HUGE_VAL)};
     ToolMotion motion = moved.motion;
     for (int step = 0; step < steps; ++step) {
       motion.advance(dt);
@@ -258,4 +255,4 @@ void ToolSet::accept() {
   }
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -19,7 +19,7 @@
 #include "predicted_step.h"
 #include "surface_press.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 class ToolSet {
  public:
@@ -80,4 +80,4 @@ class ToolSet {
   mutable ToolReport unseen_;  // of a tool that follow() has not seen yet
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -72,12 +72,12 @@ ToolExtent extent_of(const Tool& tool) {
 
 std::vector<GraspedParticle> particles_to_grasp(const Tool& tool, const ToolPose& pose, double distance,
                                                 const VecList& position) {
-  const cpu::ShapeIn<double> shape = cpu::shape_of(tool);
-  const cpu::ToolFrame frame(pose);
+  const ShapeIn<double> shape = shape_of(tool);
+  const ToolFrame frame(pose);
   std::vector<GraspedParticle> found;
   for (std::size_t i = 0; i < position.size(); ++i) {
     const Vec3 q = frame.inside(position[i]);
-    if (cpu::distance_to(shape, cpu::unpacked(q)).phi <= distance) found.push_back({static_cast<Index>(i), q});
+    if (distance_to(shape, unpacked(q)).phi <= distance) found.push_back({static_cast<Index>(i), q});
   }
   return found;
 }
@@ -112,7 +112,6 @@ double least_margin(const Model& model, const ToolShape& shape, double stretch) 
   return std::max(0.0, stretch * largest - *radius);
 }
 
-namespace cpu {
 namespace {
 
 GridValues<double> values_of(const DistanceGrid& grid) {
@@ -131,5 +130,4 @@ ShapeIn<double> shape_of(const Tool& tool) {
   return shape;
 }
 
-}  // namespace cpu
 }  // namespace phymul

@@ -36,10 +36,7 @@ struct GraspedParticle {
 std::vector<GraspedParticle> particles_to_grasp(const Tool& tool, const ToolPose& pose, double distance,
                                                 const VecList& position);
 
-namespace cpu {
-
 /// As distance_to() takes it; points to the values of a grid, which must outlive it. Nothing of a needle.
 ShapeIn<double> shape_of(const Tool& tool);
 
-}  // namespace cpu
 }  // namespace phymul

@@ -6,7 +6,7 @@
 #include "body_contacts.h"
 #include "kept_volumes.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 class Touching {
  public:
@@ -34,4 +34,4 @@ class Touching {
   KeptVolumes volumes_;
 };
 
-}  // namespace phymul::cpu
+}  // namespace phymul

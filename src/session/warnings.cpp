@@ -110,7 +110,7 @@ double depth_inside(const Model& model, std::span<const std::array<Index, 3>> tr
     if (!encloses(model, triangles, place)) continue;
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& [i, j, k] : triangles) {
-      const Vec3 share = cpu::closest_point(place, model.rest[i], model.rest[j], model.rest[k]);
+      const Vec3 share = closest_point(place, model.rest[i], model.rest[j], model.rest[k]);
       const Vec3 at = share[0] * model.rest[i] + share[1] * model.rest[j] + share[2] * model.rest[k];
       nearest = std::min(nearest, (at - place).norm());
     }

@@ -110,8 +110,7 @@ std::string layout_text(const TopologyTextures& topology, bool enumerated) {
 
 /// Threads, vectors and layout.
 std::string processor_text(const Solver& cpu) {
-  return cpu.device() + ", " +
-         layout_text(cpu.topology(), cpu::is_enumerable(cpu.topology(), cpu::simd::most_enumerated));
+  return cpu.device() + ", " + layout_text(cpu.topology(), is_enumerable(cpu.topology(), cpu::simd::most_enumerated));
 }
 
 Choice processor_because(std::unique_ptr<Solver> cpu, const std::string& reason) {

@@ -31,8 +31,8 @@ class TouchNow {
   double dt_;
   bool any_;
   LoadFrame loads_;  // of the step's end
-  cpu::ToolSet tools_;
-  cpu::Touching touching_;
+  ToolSet tools_;
+  Touching touching_;
   TouchedParticles touched_;
 };
 

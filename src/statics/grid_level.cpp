@@ -149,10 +149,10 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
     Mat3 unit = Mat3::Zero();
     unit(0, 1) = 1.0;
     const EnergyConstants& energy = topology.energy_of(part.domain);
-    const double shear = cpu::stress_near_rest<double>(topology.options.strain_energy, energy, unit)(0, 1);
+    const double shear = stress_near_rest<double>(topology.options.strain_energy, energy, unit)(0, 1);
     unit.setZero();
     unit(0, 0) = 1.0;
-    const double lame = cpu::stress_near_rest<double>(topology.options.strain_energy, energy, unit)(1, 1);
+    const double lame = stress_near_rest<double>(topology.options.strain_energy, energy, unit)(1, 1);
     const Vec3 local = place_in(cell, topology.rest[domain.particle]);
     const Gradient gradient = gradients_at(local, shape.spacing);
     cell.volume += part.share;

@@ -73,7 +73,7 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
     for (int a = 0; a < 3; ++a) {
       for (int b = 0; b < 3; ++b) {
         const Mat3 H = Vec3::Unit(a) * Vec3::Unit(b).transpose();
-        stress[a][b] = volume * (cpu::stress_near_rest<double>(t.options.strain_energy, t.energy_of(d), H) -
+        stress[a][b] = volume * (stress_near_rest<double>(t.options.strain_energy, t.energy_of(d), H) -
                                  domain.spread_stiffness * H);
       }
     }
@@ -235,7 +235,7 @@ void Multigrid::cycle(std::size_t level) {
 }
 
 void Multigrid::solve(const Vector& r, Vector& z) {
-  const cpu::DenormalsAreZero guard;
+  const DenormalsAreZero guard;
   const double largest = r.cwiseAbs().maxCoeff(), unit = typical_stiffness_ / largest;
   if (!(largest > 0.0)) {
     z.setZero(r.size());

@@ -19,7 +19,7 @@ inline Mat3 polar_rotation(const Mat3& F) {
   if (!(determinant > flat * size * size * size)) return rotation_of(F);
   Mat3 R = F / std::cbrt(determinant);
   for (int k = 0; k < 10; ++k) {
-    const Mat3 change = 0.5 * (cpu::cofactor<double>(R) / R.determinant() - R);
+    const Mat3 change = 0.5 * (cofactor<double>(R) / R.determinant() - R);
     R += change;
     if (change.squaredNorm() < 1e-16) break;  // the next one is about its square
   }

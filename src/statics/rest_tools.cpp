@@ -10,8 +10,6 @@
 namespace phymul {
 namespace {
 
-using cpu::ContactPoints;
-
 /// Of a point's stiffness, in those of the particles' neighbourhoods: each raise() takes a part of about 1 in so many
 /// off the depth that is left.
 constexpr double stiffening = 30.0;
@@ -58,10 +56,10 @@ RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::s
     const std::optional<double> radius = least_radius(tool.shape);
     const double known = radius.value_or(std::numeric_limits<double>::infinity());  // 0 of a DistanceGrid
     const bool surface = tool.contact == ToolContact::surface;
-    Touching made{.points = surface ? cpu::make_contact_points(scene.model(), known > 0.0 ? known + tool.margin : 0.0)
-                                    : cpu::make_particle_points(scene.model()),
-                  .shape = cpu::shape_of(tool),
-                  .frame = cpu::ToolFrame(own.pose),
+    Touching made{.points = surface ? make_contact_points(scene.model(), known > 0.0 ? known + tool.margin : 0.0)
+                                    : make_particle_points(scene.model()),
+                  .shape = shape_of(tool),
+                  .frame = ToolFrame(own.pose),
                   .compliance = tool.compliance,
                   .raises_left = surface ? raises_of_surfaces : std::numeric_limits<int>::max(),
                   .stiffness = {},
@@ -84,17 +82,16 @@ void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> pos
     double around = 0.0;
     for (const Index i : patch.corner) around = std::max(around, (position[i] - middle).norm());
     const auto estimates = std::span(tool.estimate).subspan(first, count);
-    if (cpu::distance_to(tool.shape, cpu::unpacked(tool.frame.inside(middle))).phi > around &&
+    if (distance_to(tool.shape, unpacked(tool.frame.inside(middle))).phi > around &&
         std::ranges::all_of(estimates, [](double estimate) { return estimate == 0.0; })) {
       continue;
     }
     for (std::size_t p = 0; p < count; ++p) {
       const ContactPoints::Shares& share = (*patch.points)[p];
-      const auto [phi, normal] =
-          cpu::distance_to(tool.shape, cpu::unpacked(tool.frame.inside(place_of(patch, share, position))));
+      const auto [phi, normal] = distance_to(tool.shape, unpacked(tool.frame.inside(place_of(patch, share, position))));
       const double gain = tool.stiffness[first + p] / (1.0 + tool.stiffness[first + p] * tool.compliance);
       const double force = gain * (estimates[p] / tool.stiffness[first + p] - phi);
-      if (force > 0.0) visit(Pressed{&patch, &share, first + p, force, gain, tool.frame.turn * cpu::packed(normal)});
+      if (force > 0.0) visit(Pressed{&patch, &share, first + p, force, gain, tool.frame.turn * packed(normal)});
     }
   }
 }

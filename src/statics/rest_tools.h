@@ -42,17 +42,17 @@ class RestTools final : public RestTerm {
 
  private:
   struct Touching {
-    cpu::ContactPoints points;
-    cpu::ShapeIn<double> shape;
-    cpu::ToolFrame frame;
+    ContactPoints points;
+    ShapeIn<double> shape;
+    ToolFrame frame;
     double compliance;  // m/N
     int raises_left;
     std::vector<double> stiffness;  // N/m, k of all points, by patches
     std::vector<double> estimate;   // N, likewise s
   };
   struct Pressed {  // a point that bears a force
-    const cpu::ContactPoints::Patch* patch;
-    const cpu::ContactPoints::Shares* share;
+    const ContactPoints::Patch* patch;
+    const ContactPoints::Shares* share;
     std::size_t row;     // in its tool's vectors
     double force, gain;  // N and N/m: f and -df/dphi
     Vec3 normal;         // out of the tool

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace phymul::cpu {
+namespace phymul {
 namespace {
 
 /// Enumerated triples without a base cost time for nothing, but less than half of what a base from a table does.
@@ -61,4 +61,4 @@ bool is_enumerable(const TopologyTextures& t, Index most) {
   return static_cast<double>(triples) <= most_triples_a_base * t.base_count;
 }
 
-}  // namespace phymul::cpu
+}  // namespace phymul

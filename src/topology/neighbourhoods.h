@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace phymul::cpu {
+namespace phymul {
 
 /// A particle's bases as triples j < k < l of its neighbours.
 struct Triples {
@@ -21,4 +21,4 @@ Triples triples_of(const TopologyTextures& t, Index i);
 /// vertices: the body's attractors can be enumerated.
 bool is_enumerable(const TopologyTextures& topology, Index most);
 
-}  // namespace phymul::cpu
+}  // namespace phymul

@@ -15,7 +15,7 @@ TEST(DenormalsAreZero, WhileTheGuardLives) {
   EXPECT_GT(product(), 0.0f);
   EXPECT_GT(sum(), 0.0f);
   {
-    const cpu::DenormalsAreZero guard;
+    const DenormalsAreZero guard;
     result = product();
     EXPECT_EQ(result, 0.0f);
     result = sum();

@@ -64,20 +64,20 @@ TEST(Neighbourhoods, TriplesAreCountedInOrder) {
   Index row = 0;
   for (Index j = 0; j < 7; ++j) {
     for (Index k = j + 1; k < 7; ++k) {
-      for (Index l = k + 1; l < 7; ++l) EXPECT_EQ(cpu::triple_row(7, j, k, l), row++);
+      for (Index l = k + 1; l < 7; ++l) EXPECT_EQ(triple_row(7, j, k, l), row++);
     }
   }
   EXPECT_EQ(row, 35);
   const Model model = make_block({0.03, 0.03, 0.03}, 3, 3, 3);
   const TopologyTextures all = build_topology(model, {.reaction = Reaction::shared, .bases = BaseSelection::all});
-  EXPECT_TRUE(cpu::is_enumerable(all, 6));
-  EXPECT_FALSE(cpu::is_enumerable(all, 5));
-  EXPECT_FALSE(cpu::is_enumerable(build_topology(model), 6)) << "conservative";
+  EXPECT_TRUE(is_enumerable(all, 6));
+  EXPECT_FALSE(is_enumerable(all, 5));
+  EXPECT_FALSE(is_enumerable(build_topology(model), 6)) << "conservative";
 }
 
 TEST(ThreadPool, RunsEveryPartOnceEachTime) {
   for (const int parts : {1, 2, 5}) {
-    cpu::ThreadPool pool(parts);
+    ThreadPool pool(parts);
     EXPECT_EQ(pool.parts(), parts);
     std::vector<long> sum(static_cast<std::size_t>(parts), 0);
     for (long round = 1; round <= 2000; ++round) {
@@ -127,7 +127,7 @@ TEST(ClusterClaims, OfALatePartAreTakenFromItsEnd) {
 
 TEST(ClusterClaims, GiveEveryClusterOnceWhoeverIsFaster) {
   for (const int parts : {1, 2, 7}) {
-    cpu::ThreadPool pool(parts);
+    ThreadPool pool(parts);
     cpu::ClusterClaims claims(body_of_clusters(std::vector<double>(40, 1.0)), pool.parts());
     std::vector<int> times(40, 0);
     for (int step = 1; step <= 500; ++step) {

@@ -89,7 +89,7 @@ TEST(HostThreads, EveryPartIsRunOnceWhateverTheHostDoes) {
   for (const auto& [name, how] : all_hosts()) {
     for (const int parts : {1, 2, 5}) {
       Host host(5, how);
-      cpu::ThreadPool pool(parts, &host);
+      ThreadPool pool(parts, &host);
       ASSERT_EQ(pool.parts(), parts);
       std::vector<int> times(static_cast<std::size_t>(parts), 0);
       for (int round = 1; round <= 50; ++round) {
@@ -115,7 +115,7 @@ TEST(HostThreads, ALatePartIsWaitedForOrTaken) {
     });
     while (!begun) std::this_thread::yield();
   });
-  cpu::ThreadPool pool(3, &host);
+  ThreadPool pool(3, &host);
   std::vector<int> times(3, 0);
   for (int round = 1; round <= 20; ++round) {
     pool.run([&](int part, int) {

@@ -21,7 +21,7 @@ double bulk_of(double poisson) {
 }
 
 double energy_of(const Mat3& F, double bulk, Mat3* gradient = nullptr) {
-  return cpu::energy_density<double>({}, {shear, bulk}, F, gradient);
+  return energy_density<double>({}, {shear, bulk}, F, gradient);
 }
 
 Mat3 random_turn(std::mt19937& bits) {

@@ -22,7 +22,7 @@ TEST(ClosestPoint, IsNoFurtherThanAnyOther) {
   std::mt19937 bits(6);
   for (int k = 0; k < 2000; ++k) {
     const Vec3 a = random_vector(bits, 3), b = random_vector(bits, 3), c = random_vector(bits, 3);
-    const Vec3 p = 2.0 * random_vector(bits, 3), share = cpu::closest_point(p, a, b, c);
+    const Vec3 p = 2.0 * random_vector(bits, 3), share = closest_point(p, a, b, c);
     EXPECT_NEAR(share.sum(), 1.0, 1e-14);
     EXPECT_GE(share.minCoeff(), 0.0);
     const double distance = (p - (share[0] * a + share[1] * b + share[2] * c)).norm();
@@ -32,7 +32,7 @@ TEST(ClosestPoint, IsNoFurtherThanAnyOther) {
       EXPECT_LE(distance, (p - (other[0] * a + other[1] * b + other[2] * c)).norm() + 1e-12);
     }
   }
-  EXPECT_EQ(cpu::closest_point({1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}).sum(), 1.0);
+  EXPECT_EQ(closest_point({1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}).sum(), 1.0);
 }
 
 /// A cube of 2 cm over the middle of a slab, a gap above it and off its lattice.

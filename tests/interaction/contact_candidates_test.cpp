@@ -40,7 +40,7 @@ Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, cons
       const ContactSurface::Triangle& triangle = surface.triangles[t];
       if (own.body == triangle.body && !options.self) continue;
       const Vec3 &a = place[triangle.corner[0]], &b = place[triangle.corner[1]], &c = place[triangle.corner[2]];
-      const Vec3 share = cpu::closest_point(place[k], a, b, c);
+      const Vec3 share = closest_point(place[k], a, b, c);
       const double skins =
           options.margin > 0.0 ? 2.0 * options.margin : ContactSurface::usual_skin * (triangle.edge + own.edge);
       const double reach = std::max(margin + skins, ContactSurface::depth_factor * std::max(triangle.edge, own.edge));
@@ -51,9 +51,9 @@ Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, cons
   return pairs;
 }
 
-Pairs pairs_listed(cpu::ContactCandidates& candidates, const VecList& place, double margin) {
+Pairs pairs_listed(ContactCandidates& candidates, const VecList& place, double margin) {
   Pairs pairs;
-  candidates.each(place, margin, [&](const cpu::ContactCandidates::List& list) {
+  candidates.each(place, margin, [&](const ContactCandidates::List& list) {
     for (const auto& near : list.triangles) EXPECT_TRUE(pairs.insert({list.particle, near.triangle}).second);
   });
   return pairs;
@@ -66,7 +66,7 @@ TEST(ContactCandidates, MissNothingWhileTheyAreKept) {
   std::mt19937 bits(11);
   for (const ContactOptions& options :
        {ContactOptions{}, ContactOptions{.margin = 0.002}, ContactOptions{.self = false}}) {
-    cpu::ContactCandidates candidates;
+    ContactCandidates candidates;
     candidates.follow(surface, options);
     std::size_t counting = 0, steps = 0;
     for (int scene = 0; scene < 6; ++scene) {
@@ -100,7 +100,7 @@ TEST(ContactCandidates, MissNothingWhileTheyAreKept) {
 TEST(ContactCandidates, PlacesThatAreNoNumbersHideNoOthers) {
   const Model model = two_cubes(0.0005);
   const ContactSurface surface = make_contact_surface(model);
-  cpu::ContactCandidates candidates;
+  ContactCandidates candidates;
   candidates.follow(surface, {});
   const Pairs usual = pairs_listed(candidates, surface.rest, 0.0);
   ASSERT_GT(usual.size(), 100u);
@@ -120,11 +120,11 @@ TEST(ContactCandidates, PlacesThatAreNoNumbersHideNoOthers) {
 /// Memory may end within a step, which is then left: lists that were begun are none.
 TEST(ContactCandidates, ListsThatWereNotFinishedAreForgotten) {
   const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
-  cpu::ContactCandidates candidates;
+  ContactCandidates candidates;
   candidates.follow(surface, {});
   int seen = 0;
   EXPECT_THROW(candidates.each(surface.rest, 0.0,
-                               [&](const cpu::ContactCandidates::List&) {
+                               [&](const ContactCandidates::List&) {
                                  if (++seen == 10) throw std::bad_alloc();
                                }),
                std::bad_alloc);
@@ -140,7 +140,7 @@ TEST(ContactCandidates, ListsThatWereNotFinishedAreForgotten) {
 /// and all the same nothing is missing, also when the skins are usual ones again.
 TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
   const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
-  cpu::ContactCandidates candidates;
+  ContactCandidates candidates;
   const ContactOptions wide{.margin = 0.012};
   candidates.follow(surface, wide);
   const Pairs wanted = pairs_that_count(surface, surface.rest, wide, 0.0);
@@ -165,7 +165,7 @@ TEST(ContactCandidates, AreLookedForAnewWhereMotionAndMarginTogetherPassTheSlack
   const ContactSurface surface = make_contact_surface(two_cubes(1.2 * edge));
   const ContactOptions options{.margin = 0.6 * edge};  // further out than what is inside: depth_factor
   for (const double way : {0.05 * edge, 0.15 * edge, 0.24 * edge}) {
-    cpu::ContactCandidates candidates;
+    ContactCandidates candidates;
     candidates.follow(surface, options);
     pairs_listed(candidates, surface.rest, 0.0);
     VecList place = surface.rest;
@@ -205,7 +205,7 @@ TEST(ContactCandidates, ListWhatMayRankBeforeTheNearest) {
       VecList place = surface.rest;
       place[particle] =
           0.5 * (a + b) + aside * (inward - inward.dot(along) * along).normalized() + height * Vec3::UnitZ();
-      cpu::ContactCandidates candidates;
+      ContactCandidates candidates;
       candidates.follow(surface, options);
       const Pairs listed = pairs_listed(candidates, place, margin);
       EXPECT_TRUE(listed.contains({particle, static_cast<Index>(s)}));

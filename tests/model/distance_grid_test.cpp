@@ -14,7 +14,7 @@ namespace {
 
 double box_distance(const Vec3& x, const Vec3& low, const Vec3& high) {
   const Vec3 half = 0.5 * (high - low), q = x - 0.5 * (low + high);
-  return cpu::distance_from_box<double>({q.x(), q.y(), q.z()}, {half.x(), half.y(), half.z()}).phi;
+  return distance_from_box<double>({q.x(), q.y(), q.z()}, {half.x(), half.y(), half.z()}).phi;
 }
 
 TEST(DistanceGrid, OfABoxIsItsDistance) {

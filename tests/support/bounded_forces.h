@@ -19,7 +19,7 @@
 
 namespace phymul::test {
 
-using Bounded3 = cpu::Vector3<Bounded>;
+using Bounded3 = Vector3<Bounded>;
 using BoundedKernels = cpu::Kernels<Bounded>;  // where the volume law does not matter
 
 class BoundedForces {

@@ -65,7 +65,7 @@ inline Bounded square_root(const Bounded& a) {
 }
 
 /// Three products in any order, fused or not.
-inline Bounded inner_product(const cpu::Vector3<Bounded>& a, const cpu::Vector3<Bounded>& b) {
+inline Bounded inner_product(const Vector3<Bounded>& a, const Vector3<Bounded>& b) {
   const double x = a.x.value * b.x.value, y = a.y.value * b.y.value, z = a.z.value * b.z.value;
   const double inherited = product_error(a.x, b.x) + product_error(a.y, b.y) + product_error(a.z, b.z);
   return {x + y + z, inherited + 3.01 * unit * (std::abs(x) + std::abs(y) + std::abs(z) + inherited)};
@@ -117,13 +117,13 @@ inline Bounded inverse_cube_root(const Bounded& a) {
 /// A sum of vectors in any order.
 class BoundedSum {
  public:
-  void add(const cpu::Vector3<Bounded>& term) {
+  void add(const Vector3<Bounded>& term) {
     ++terms_;
     add(0, term.x);
     add(1, term.y);
     add(2, term.z);
   }
-  cpu::Vector3<Bounded> total() const { return {of(0), of(1), of(2)}; }
+  Vector3<Bounded> total() const { return {of(0), of(1), of(2)}; }
 
  private:
   void add(int axis, const Bounded& term) {

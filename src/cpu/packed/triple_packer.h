@@ -8,9 +8,11 @@
 #include "cluster_slots.h"
 #include "packed_rows.h"
 
-namespace phymul::cpu {
+namespace phymul {
 
 struct Triples;
+
+namespace cpu {
 
 /// Packs bases that can be enumerated, cluster by cluster; TermPacker's calls. Slices with the same constants share
 /// them: on a lattice nearly all do.
@@ -42,4 +44,5 @@ class TriplePacker {
   std::unordered_multimap<std::size_t, std::size_t> known_;  // hash of constants, where they begin
 };
 
-}  // namespace phymul::cpu
+}  // namespace cpu
+}  // namespace phymul

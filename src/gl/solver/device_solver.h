@@ -111,8 +111,8 @@ class DeviceSolver final : public SolverBackend {
   mutable FloatTools tools_{Device::most_steps};
   struct OnHost {
     explicit OnHost(const Model& model) : step(model) {}
-    cpu::ToolSet tools;
-    cpu::Touching touching;
+    ToolSet tools;
+    Touching touching;
     TouchedParticles touched;
     DeviceStep step;
     double longest_way = 0.0;  // m, of the step in question
