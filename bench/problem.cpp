@@ -199,7 +199,7 @@ void Problem::load(Scene& scene) const {
 Scene Problem::scene(const Model& same_body) const {
   Scene result(same_body);
   load(result);
-  return std::as_const(result);  // a copy: scenes do not move
+  return result.copy();
 }
 
 bool Problem::has_forces() const {

@@ -198,7 +198,7 @@ typedef struct phymul_rest_report {
   double residual;    // N; solve_static: net forces over loads
 } phymul_rest_report;
 
-// Simulation::advance; Solver::step, unseen by phymul_record. PHYMUL_STEP_FAILED fills the report too. It may be NULL.
+// Simulation::advance and Simulation::step. PHYMUL_STEP_FAILED fills the report too. It may be NULL.
 PHYMUL_API phymul_status phymul_advance(phymul_simulation* sim, double seconds, phymul_step_report* report);
 PHYMUL_API phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phymul_step_report* report);
 // Not to converge is no error: phymul_rest_report.converged is 0, and phymul_message says why.

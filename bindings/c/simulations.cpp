@@ -201,7 +201,7 @@ phymul_status phymul_advance(phymul_simulation* sim, double seconds, phymul_step
 }
 
 phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phymul_step_report* report) {
-  return step_by(sim, report, [&](Simulation& simulation) { return simulation.solver().step(steps, dt); });
+  return step_by(sim, report, [&](Simulation& simulation) { return simulation.step(steps, dt); });
 }
 
 phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phymul_rest_report* report) {

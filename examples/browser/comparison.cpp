@@ -28,7 +28,7 @@ phymul::VecList Comparison::Body::rest_under(const Pull& pull) {
   scene.fix(organ_foot(model));
   const std::vector<phymul::Index> patch = organ_patch(model, pull.place, pull.reach);
   scene.add(organ_pull(patch, pull.displacement, pull.displacement, 0.0, 0.0));
-  simulation.solver().reset();
+  simulation.unrecorded_solver().reset();
   const phymul::StaticResult result = simulation.solve_static({.tolerance = 1e-4});
   if (!result.converged()) throw phymul::Error("no rest shape was found: " + result.message());
   return skin.deform(simulation.state().position);

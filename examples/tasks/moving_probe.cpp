@@ -81,7 +81,7 @@ int main() try {
       Next made = next.get();
       // Velocities of half a step before: state() and set_state() would evaluate the forces for those of the state's
       // time.
-      made.sim.solver().reset(made.transfer(sim.solver().read()));
+      made.sim.unrecorded_solver().reset(made.transfer(sim.solver().read()));
       old = std::exchange(sim, std::move(made.sim));
       ++rebuilds;
       seconds = seconds_since(begin);

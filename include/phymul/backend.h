@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -160,7 +161,8 @@ class SolverBackend : public Solver {
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
-  const ToolReport& tool_report(std::size_t row) const final { return do_tool_report(row); }
+  const ToolReport& tool_report(std::size_t row) const final;
+  void bring_back_reports(const Snapshot& snapshot);
   const JointReport& joint_report_at(std::size_t row) const final;
   double step_limit(const Damping& damping) const;  // s
   double stiffness_factor() const;                  // by which the scene's raise the spectrum at most
@@ -196,6 +198,11 @@ class SolverBackend : public Solver {
   std::optional<bool> all_held_;          // of the scene of these versions; empty: not yet looked for
   mutable double growth_of_state_ = 0.0;  // where growth_ is 0; 0: not yet computed
   mutable std::optional<std::uint64_t> topology_hash_;
+  mutable std::shared_ptr<const SceneParts> parts_;  // of the scene of this version, for snapshots
+  mutable std::uint64_t parts_version_ = 0;
+  // Of the restored snapshot, until a step is done or reset() called; by SceneTool::id and SceneJoint::id.
+  std::map<std::uint64_t, ToolReport> tools_before_;
+  std::map<std::uint64_t, JointReport> joints_before_;
   std::unique_ptr<Profile> profile_;
   std::unique_ptr<JointSet> joints_;
   std::unique_ptr<StiffJoints> stiff_joints_;

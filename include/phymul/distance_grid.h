@@ -23,6 +23,7 @@ class DistanceGrid {
   const std::array<int, 3>& count() const { return count_; }
   const std::vector<float>& values() const { return values_; }
   double depth() const { return depth_; }  ///< m: of the deepest corner inside
+  bool operator==(const DistanceGrid&) const = default;
 
  private:
   Vec3 origin_;

@@ -93,6 +93,7 @@ struct JointReport {
   double largest = 0.0;  ///< N, largest force of a spring
   int broken = 0;        ///< number of broken springs
   std::vector<SpringReport> springs{};
+  bool operator==(const JointReport&) const = default;
 };
 
 /// Part of a State: the broken springs of a joint.

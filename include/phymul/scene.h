@@ -17,6 +17,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace phymul {
@@ -24,6 +25,7 @@ namespace phymul {
 struct LoadFrame;     // load_frame.h
 struct SurfacePatch;  // surface_patch.h
 struct LoadModes;     // load_frame.h
+struct SceneParts;    // state.h
 
 /// A closed surface whose enclosed volume every step restores: Scene::constrain_volume.
 struct VolumeConstraint {
@@ -103,7 +105,8 @@ class JointHandle {
 };
 
 /// Lifetimes: a scene keeps a pointer to its model, or shares its ownership. The model must not change. A scene cannot
-/// be moved or assigned, because solvers and handles point to it. A copy is a new scene without solvers and handles.
+/// be moved or assigned, because solvers and handles point to it. Only copy() copies it: write
+/// `auto& scene = simulation.scene()`, since `auto scene` does not compile.
 /// Threads: any number may read a scene. A thread that changes it must be the only one to use it and its solvers.
 /// Errors: functions throw Error for an unknown group, an index out of range and a value that is not finite; the scene
 /// then stays as it was. An empty list of particles is allowed and has no effect.
@@ -114,33 +117,42 @@ class Scene {
   explicit Scene(const Model& model);                  ///< throws Error unless validate(model) accepts it
   explicit Scene(const Model&&) = delete;              ///< a temporary would be gone before the first step
   explicit Scene(std::shared_ptr<const Model> model);  ///< shares ownership; throws Error also for null
-  Scene(const Scene&) = default;
-  Scene(Scene&&) = delete;
   Scene& operator=(const Scene&) = delete;
+  Scene copy() const { return *this; }  ///< a new scene of the same model, without solvers and handles
 
   const Model& model() const { return *model_; }
 
-  Scene& fix(std::string_view group);            ///< adds a load that holds the group at its rest position
-  Scene& fix(std::span<const Index> particles);  ///< the same for listed particles
-  Scene& gravity(const Vec3& acceleration);      ///< sets the gravity, m/s^2
-  Scene& add(Load load);                         ///< appends a load, as row loads().size() - 1
-  Scene& add(std::vector<Load> loads);           ///< appends loads, as read_lml returns them
-  Scene& replace(std::size_t row, Load load);    ///< replaces loads()[row]
-  Scene& remove(std::size_t row);                ///< removes loads()[row]; later rows decrease by 1
-  Scene& clear();                                ///< removes everything
+  // Functions that return a scene can be chained. Those with && are for scenes that are being made:
+  // Scene scene = Scene(model).fix("x0").gravity(g);
+  Scene& fix(std::string_view group) &;            ///< adds a load that holds the group at its rest position
+  Scene& fix(std::span<const Index> particles) &;  ///< the same for listed particles
+  Scene& gravity(const Vec3& acceleration) &;      ///< sets the gravity, m/s^2
+  Scene& add(Load load) &;                         ///< appends a load, as row loads().size() - 1
+  Scene& add(std::vector<Load> loads) &;           ///< appends loads, as read_lml returns them
+  Scene fix(std::string_view group) && { return fix(group); }
+  Scene fix(std::span<const Index> particles) && { return fix(particles); }
+  Scene gravity(const Vec3& acceleration) && { return gravity(acceleration); }
+  Scene add(Load load) && { return add(std::move(load)); }
+  Scene add(std::vector<Load> loads) && { return add(std::move(loads)); }
+  Scene& replace(std::size_t row, Load load);  ///< replaces loads()[row]
+  Scene& remove(std::size_t row);              ///< removes loads()[row]; later rows decrease by 1
+  Scene& clear();                              ///< removes everything
 
   /// Keeps the volume enclosed by the surface of these cells at its rest value, or at
   /// VolumeConstraint::volume. After each step every free particle of the surface moves along the volume's gradient
   /// divided by its mass, until the volume is exact (single precision: within about 1e-7). This conserves linear and
   /// angular momentum and does not move imposed coordinates. Throws Error if the surface is not closed or shares a
   /// particle with another constrained surface, for a volume that is not above 0, and for a two-dimensional model.
-  Scene& constrain_volume();                          ///< of all cells together
-  Scene& constrain_volume(std::string_view group);    ///< of the cells of the group, as set_material()
-  Scene& constrain_volume(VolumeConstraint surface);  ///< of the given triangles
+  Scene& constrain_volume() &;                          ///< of all cells together
+  Scene& constrain_volume(std::string_view group) &;    ///< of the cells of the group, as set_material()
+  Scene& constrain_volume(VolumeConstraint surface) &;  ///< of the given triangles
+  Scene constrain_volume() && { return constrain_volume(); }
+  Scene constrain_volume(std::string_view group) && { return constrain_volume(group); }
 
   /// Switches contacts on, between parts of the model that no cell and no neighbourhood connects (bodies.h). Throws
   /// Error for options out of their range and for a two-dimensional model.
-  Scene& contacts(const ContactOptions& options);
+  Scene& contacts(const ContactOptions& options) &;
+  Scene contacts(const ContactOptions& options) && { return contacts(options); }
   Scene& no_contacts();
 
   /// Multiplies the stiffness (Young's modulus and what follows from it) of all materials of the model, or of one, by a
@@ -163,7 +175,7 @@ class Scene {
 
   /// Adds a tool. The next step starts with it at Tool::pose, as after ToolHandle::teleport(). Throws Error for a name
   /// that is empty or in use, and for a size or pose out of its range. Default names are "tool 1", "tool 2" and so on.
-  Scene& add_tool(std::string name, Tool tool);
+  ToolHandle add_tool(std::string name, Tool tool) &;
   ToolHandle add_tool(Tool tool) &;
   ToolHandle add_tool(ToolShape shape) &;     ///< with the defaults of Tool
   Scene& remove_tool(std::string_view name);  ///< throws Error also while a joint has an anchor at the tool
@@ -174,7 +186,7 @@ class Scene {
   /// (empty: at rest), and tools at their last target pose. Throws Error for an empty or used name, a joint without
   /// springs, anchors that do not fit the scene, weights whose sum is not 1, a spring without particles or between
   /// equal anchors, and constants out of their range.
-  Scene& add_joint(std::string name, Joint joint, std::span<const Vec3> position = {});
+  JointHandle add_joint(std::string name, Joint joint, std::span<const Vec3> position = {}) &;
   JointHandle add_joint(Joint joint, std::span<const Vec3> position = {}) &;  ///< named "joint 1", "joint 2" and so on
   /// Adds a joint of one spring; stiffness in N/m, damping in N s/m.
   JointHandle add_joint(JointSpring spring, double stiffness, double damping = 0.0,
@@ -207,6 +219,12 @@ class Scene {
   JointHandle joint(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one
   const std::vector<SceneJoint>& joints() const { return joints_; }
 
+  SceneParts parts() const;  ///< tools and joints, as a Snapshot has them (state.h)
+  /// Makes tools and joints those of a snapshot, in its order: removes others and adds missing ones. Handles stay valid
+  /// if the scene had a tool of the same name, shape and constants, or a joint of the same name and springs. Throws
+  /// Error as add_tool() and add_joint() do, and then changes nothing.
+  Scene& bring_back(const SceneParts& parts);
+
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
   const std::vector<VolumeConstraint>& volume_constraints() const { return volume_constraints_; }
@@ -226,6 +244,8 @@ class Scene {
   void mode_values(double time, std::span<double> values) const;  ///< [LoadModes::count]; does not allocate
 
  private:
+  Scene(const Scene&) = default;
+
   /// A prepared load: at a time only the multiplication by its value remains.
   struct Action {
     std::vector<Index> particles;  // sorted, each once

@@ -71,12 +71,15 @@ class Simulation {
   const Model& model() const;
   Scene& scene();
   const Scene& scene() const;
-  Solver& solver();  ///< calls made to it directly are neither recorded nor kept in the history
   const Solver& solver() const;
+  Solver& unrecorded_solver();  ///< for calls that record() and keep_history() must not see, and Solver::request_read()
 
   /// Simulates `seconds` in n = ceil(seconds / step_limit(seconds)) equal steps. 0 seconds: only applies changes of the
   /// scene. Returns the report of Solver::step().
   StepReport advance(double seconds);
+
+  /// Simulates n steps of dt seconds, as Solver::step(); recorded and kept in the history as those of advance().
+  StepReport step(int n, double dt);
 
   /// Takes steps of step_limit() until the body is at rest, at most `max_steps`. Uses the damping of the options. If
   /// they have none, the call chooses a damping near the critical one of the slowest vibration, which it estimates from
@@ -125,8 +128,12 @@ class Simulation {
   /// Of the last step, as Solver::joint_report(), or of the rest shape after solve_static().
   const JointReport& report_of(const JointHandle& joint) const;
 
-  /// The state with everything that further steps depend on except the scene, in memory or in a file. They throw
-  /// Error as Solver::restore(), save_state() and load_state() do.
+  /// The state with everything that further steps depend on (Snapshot), in memory or in a file. restore(), load() and
+  /// rewind() also bring back the scene's tools and joints: they remove those that were added since, add those that
+  /// were removed, and undo JointHandle's changes (Scene::bring_back(), which says which handles stay valid). Loads,
+  /// gravity, contacts, volume constraints and factors of stiffness stay as they are. To start from positions alone,
+  /// with the scene's tools and joints, call set_state(). They throw Error as Solver::restore(), save_state() and
+  /// load_state() do.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
   void save(const std::string& path) const;
@@ -135,8 +142,8 @@ class Simulation {
   /// Keeps a snapshot every `every` steps from now on, at most `most_bytes` in all; the oldest are dropped. Applies
   /// changes of the scene. Throws Error unless both are at least 1.
   void keep_history(int every, std::size_t most_bytes = 64 << 20);
-  /// Goes back to the newest kept snapshot at or before `time`, s. Returns false, and changes nothing, if there is
-  /// none.
+  /// Goes back to the newest kept snapshot at or before `time`, s, as restore() does. Returns false, and changes
+  /// nothing, if there is none.
   bool rewind(double time);
 
   /// Records steps, changes of the state and changes of the scene from now on. Memory grows with their number. Discards

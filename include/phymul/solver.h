@@ -106,9 +106,12 @@ class Solver {
   virtual void reset(const State& state) = 0;
   void reset();  ///< to the rest shape; no tool holds anything
 
-  /// The state with everything that further steps depend on except the scene; restore() sets it. restore() throws
-  /// Error, and changes nothing, as reset() does, if the snapshot is of another body (Snapshot::topology_hash), and if
-  /// it has parts that this backend does not know. Every backend accepts reset(snapshot.state).
+  /// The state with everything that further steps depend on (Snapshot); restore() sets it. Afterwards forces of tools
+  /// and reports of joints are those of the step before the snapshot. restore() throws Error, and changes nothing, as
+  /// reset() does, if the snapshot is of another body (Snapshot::topology_hash), if it has parts that this backend does
+  /// not know, and if the scene has other tools or joints: then call Scene::bring_back(*snapshot.scene) before, as
+  /// Simulation::restore() does, or clear Snapshot::scene to keep those of the scene. Every backend accepts
+  /// reset(snapshot.state).
   virtual Snapshot snapshot() const = 0;
   virtual void restore(const Snapshot& snapshot) = 0;
   /// As reset(), but the state's velocities are those at State::time; reset() expects those half a step earlier
@@ -153,9 +156,9 @@ class Solver {
   virtual std::vector<PassProfile> profile() const = 0;
   virtual void clear_profile() = 0;
 
-  /// Force of the particles on a tool of the scene, and the tool's present pose. Before the first step: zero, and the
-  /// scene's pose. References are valid until the next step() or change of the scene. The functions throw Error for an
-  /// unknown name, do not allocate and never wait for a device.
+  /// Force of the particles on a tool of the scene, and the tool's present pose. Before the first step, and after
+  /// reset(): zero, and the scene's pose or the state's. References are valid until the next step() or change of the
+  /// scene. The functions throw Error for an unknown name, do not allocate and never wait for a device.
   const ToolForce& tool_force(std::string_view name) const;
   const ToolPose& tool_pose(std::string_view name) const;
   /// The same without a search for the name. They throw Error if the tool is of another scene or was removed.

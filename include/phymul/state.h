@@ -8,7 +8,10 @@
 #include <phymul/tool.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 namespace phymul {
@@ -28,9 +31,30 @@ struct State {
   bool operator==(const State&) const = default;
 };
 
-/// Everything that the further steps of a solver depend on except the scene. Restored in a solver of the same backend
-/// over the same tables, it continues bit for bit. In double precision a State is enough for that, except for
-/// run_to_rest(), energy() and materials that dissipate.
+/// The tools and joints of a scene, by name and in its order.
+struct SceneParts {
+  std::vector<std::pair<std::string, Tool>> tools{};
+  std::vector<std::pair<std::string, Joint>> joints{};
+};
+/// The first tool or joint that only one of them has, or that has other constants, as `tool "name"`; empty: none. Tools
+/// are compared without Tool::pose, their first pose.
+std::string difference(const SceneParts& a, const SceneParts& b);
+inline bool operator==(const SceneParts& a, const SceneParts& b) {
+  return difference(a, b).empty();
+}
+
+/// Part of a Snapshot: where a tool goes, and what the last step reported of it.
+struct ToolMemory {
+  ToolPose target{};     ///< SceneTool::pose
+  ToolPose last_pose{};  ///< ToolReport::last_pose
+  ToolForce force{};
+  bool operator==(const ToolMemory&) const = default;
+};
+
+/// Everything that the further steps of a solver depend on, except the scene's loads, gravity, contacts, volume
+/// constraints and factors of stiffness. Restored in a solver of the same backend over the same tables, it continues
+/// bit for bit. In double precision a State is enough for that, except for run_to_rest(), energy() and materials that
+/// dissipate.
 struct Snapshot {
   State state;
   double last_dt = 0.0;    ///< s, of the last step; 0: none
@@ -47,12 +71,22 @@ struct Snapshot {
     bool operator==(const Part&) const = default;
   };
   std::vector<Part> parts;
+  /// The scene's tools and joints (Scene::parts()). Null: unknown, as in files written before snapshots had them; then
+  /// restore() does not compare them with those of the scene.
+  std::shared_ptr<const SceneParts> scene;
+  std::vector<ToolMemory> tools;    ///< of scene->tools
+  std::vector<JointReport> joints;  ///< of scene->joints
   /// Solver::topology_hash() of the solver it was taken from. 0: unknown, and Solver::restore() does not check it.
   std::uint64_t topology_hash = 0;
   std::string backend;  ///< Solver::name() of that solver; empty: unknown
-
-  bool operator==(const Snapshot&) const = default;
 };
+inline bool operator==(const Snapshot& a, const Snapshot& b) {
+  const auto members = [](const Snapshot& of) {
+    return std::tie(of.state, of.last_dt, of.steps_at_rest, of.growth, of.max_speed, of.displacement, of.parts,
+                    of.tools, of.joints, of.topology_hash, of.backend);
+  };
+  return members(a) == members(b) && (a.scene && b.scene ? *a.scene == *b.scene : a.scene == b.scene);
+}
 
 /// The rest shape without motion, at time 0.
 State rest_state(const Model& model);

@@ -13,7 +13,7 @@
 
 namespace phymul {
 
-/// Hash of all bits of a snapshot except its topology_hash and backend.
+/// Hash of all bits of a snapshot except its topology_hash and backend, tools and joints of the scene, and reports.
 std::uint64_t fingerprint(const Snapshot& snapshot);
 
 /// Writes a snapshot as a file, bit for bit, with magic word, version and checksums (docs/guide/formats.md). `path`
@@ -44,8 +44,8 @@ class StateHistory {
   const Snapshot* newest_at(double time) const;
 
   /// Restores that state in the solver (Solver::restore(), which may throw) and removes later ones. Returns false, and
-  /// does nothing, if there is no such state. Tool forces are 0 until the next step: call VirtualCoupling::reset() with
-  /// the tool's present pose. For what tools hold see Solver::reset().
+  /// does nothing, if there is no such state. A VirtualCoupling is not part of it: keep a copy with each state, or call
+  /// VirtualCoupling::reset() with the tool's present pose. For what tools hold see Solver::reset().
   bool rewind(Solver& solver, double time);
 
   std::size_t size() const { return states_.size(); }

@@ -93,6 +93,7 @@ struct ToolForce {
   double held_mass = 0.0;            ///< kg
   Vec3 held_centre{0, 0, 0};         ///< m, centre of that mass
   Mat3 held_inertia = Mat3::Zero();  ///< kg m^2: sum of m (|q|^2 1 - q q^T)
+  bool operator==(const ToolForce&) const = default;
 };
 
 /// State of a tool after a step, as a backend reports it.

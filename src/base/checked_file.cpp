@@ -73,6 +73,11 @@ void ByteReader::fail(const std::string& problem) const {
   fail_format(file_, 0, "byte " + std::to_string(first_byte_ + mark_) + ": " + problem);
 }
 
+ByteReader ByteReader::nested(const char* what) {
+  const std::uint32_t size = u32(what);
+  return {file_, raw(size, what), first_byte_ + position_ - size};
+}
+
 std::string_view ByteReader::raw(std::size_t count, const char* what) {
   mark_ = position_;
   if (count > remaining()) {

@@ -83,6 +83,8 @@ class ByteReader {
     for (auto& item : items) each(item);
   }
 
+  ByteReader nested(const char* what);  ///< of a text's bytes
+
   std::size_t remaining() const { return bytes_.size() - position_; }
   void expect_end(const char* what) const;  ///< throws where bytes are left over
   /// Throws "file: byte N: expected ..., got ...; ..." about what was read last.

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "base/place_text.h"
+#include "model/closest_triangle.h"
 #include "solid_interior.h"
 
 namespace phymul {
@@ -87,6 +88,23 @@ Solid solid_box(const Vec3& low, const Vec3& high) {
             return out.cwiseMax(0.0).norm() + std::min(out.maxCoeff(), 0.0);
           },
           low, high};
+}
+
+Solid solid_within(Surface surface) {
+  mend_surface(surface);
+  const VecList& x = surface.vertices;
+  Eigen::AlignedBox3d box;
+  for (const auto& [a, b, c] : surface.triangles) {
+    box.extend(x[a]).extend(x[b]).extend(x[c]);
+    if (!(x[b] - x[a]).cross(x[c] - x[a]).isZero(0.0)) continue;
+    throw Error("solid_within: the triangle at " + place_text(x[a]) + " has no area; remesh the surface");
+  }
+  if (const auto [a, b] = open_edge(surface.triangles); a >= 0) {
+    throw Error("solid_within: shells touch along the edge from " + place_text(x[a]) + " to " + place_text(x[b]) +
+                "; move them apart, or join them by a boolean union");
+  }
+  const auto closest = std::make_shared<const ClosestTriangle>(x, surface.triangles);
+  return {[closest](const Vec3& at) { return closest->signed_distance(at); }, box.min(), box.max()};
 }
 
 Solid solid_union(std::vector<Solid> solids) {

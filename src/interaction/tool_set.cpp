@@ -98,7 +98,7 @@ const MovedTool* ToolSet::find(std::uint64_t id) const {
 const ToolReport& ToolSet::report(const SceneTool& wanted) const {
   if (const MovedTool* const known = find(wanted.id)) return known->report;
   unseen_ = {};
-  unseen_.pose = wanted.pose;
+  unseen_.pose = unseen_.last_pose = wanted.pose;
   return unseen_;
 }
 

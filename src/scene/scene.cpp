@@ -201,17 +201,17 @@ Scene::Action Scene::prepared_pressure(const Load& load, Action action) const {
   return action;
 }
 
-Scene& Scene::fix(std::string_view group) {
+Scene& Scene::fix(std::string_view group) & {
   Load load = held(model_->group(group));
   load.applied_to = group;
   return add(std::move(load));
 }
 
-Scene& Scene::fix(std::span<const Index> particles) {
+Scene& Scene::fix(std::span<const Index> particles) & {
   return add(held({particles.begin(), particles.end()}));
 }
 
-Scene& Scene::gravity(const Vec3& acceleration) {
+Scene& Scene::gravity(const Vec3& acceleration) & {
   if (!acceleration.allFinite()) throw Error("gravity: expected a finite acceleration in m/s^2");
   if (model_->dimension == 2 && acceleration.z() != 0.0) {
     throw Error("gravity: expected z = 0 in a two-dimensional model, got " + to_decimal(acceleration.z()));
@@ -221,13 +221,13 @@ Scene& Scene::gravity(const Vec3& acceleration) {
   return *this;
 }
 
-Scene& Scene::add(Load load) {
+Scene& Scene::add(Load load) & {
   std::vector<Load> one;
   one.push_back(std::move(load));
   return add(std::move(one));
 }
 
-Scene& Scene::add(std::vector<Load> loads) {
+Scene& Scene::add(std::vector<Load> loads) & {
   std::vector<Action> actions;
   for (Load& load : loads) actions.push_back(accepted(load));
   // Room first: what follows cannot fail half-way.

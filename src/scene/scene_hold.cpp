@@ -123,8 +123,7 @@ JointHandle Scene::hold(const SurfacePatch& patch) & {
   }
   joint.stiffness /= area;
   spare_light_particles(joint, model_->mass);
-  add_joint(default_name("joint", next_joint_, joints_), std::move(joint));
-  return {*this, joints_.back().id};
+  return add_joint(default_name("joint", next_joint_, joints_), std::move(joint));
 }
 
 }  // namespace phymul

@@ -130,7 +130,7 @@ void Scene::require(const SceneJoint& joint, std::span<const Vec3> position) con
   }
 }
 
-Scene& Scene::add_joint(std::string name, Joint joint, std::span<const Vec3> position) {
+JointHandle Scene::add_joint(std::string name, Joint joint, std::span<const Vec3> position) & {
   SceneJoint added{next_joint_, std::move(name), std::move(joint)};
   require(added, position);
   const std::span<const Vec3> where = position.empty() ? std::span<const Vec3>(model_->rest) : position;
@@ -143,12 +143,11 @@ Scene& Scene::add_joint(std::string name, Joint joint, std::span<const Vec3> pos
   joints_.push_back(std::move(added));
   ++next_joint_;
   ++version_;
-  return *this;
+  return {*this, joints_.back().id};
 }
 
 JointHandle Scene::add_joint(Joint joint, std::span<const Vec3> position) & {
-  add_joint(default_name("joint", next_joint_, joints_), std::move(joint), position);
-  return {*this, joints_.back().id};
+  return add_joint(default_name("joint", next_joint_, joints_), std::move(joint), position);
 }
 
 JointHandle Scene::add_joint(JointSpring spring, double stiffness, double damping, std::span<const Vec3> position) & {
@@ -163,21 +162,11 @@ Scene& Scene::remove_joint(std::string_view name) {
 }
 
 JointHandle Scene::joint(std::string_view name) & {
-  std::string names;
-  for (const SceneJoint& known : joints_) {
-    if (known.name == name) return {*this, known.id};
-    names += (names.empty() ? "" : ", ") + known.name;
-  }
-  throw Error(ErrorCode::unknown_name,
-              "the scene has no joint \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
+  return {*this, item_named(joints_, "joint", name).id};
 }
 
 Joint& JointHandle::own() const {
-  for (SceneJoint& known : scene_->joints_) {
-    if (known.id == id_) return known.joint;
-  }
-  throw Error(ErrorCode::unknown_name,
-              "the scene no longer has the joint of this handle; Scene::joint gives handles of those it has");
+  return item_with(scene_->joints_, "joint", id_).joint;
 }
 
 const Joint& JointHandle::joint() const {

@@ -96,8 +96,7 @@ JointHandle Scene::attach(std::span<const Index> patch, std::span<const Anchor> 
     done[i] = 1;
     joint.springs.push_back({at_particle(i), partners[k], rest_length, share[i]});
   }
-  add_joint(springs.name.empty() ? default_name("joint", next_joint_, joints_) : springs.name, std::move(joint));
-  return {*this, joints_.back().id};
+  return add_joint(springs.name.empty() ? default_name("joint", next_joint_, joints_) : springs.name, std::move(joint));
 }
 
 JointHandle Scene::attach(std::span<const Index> patch, const World& world, const Attachment& springs) & {

@@ -90,7 +90,7 @@ ToolPose accepted_pose(std::string_view tool, ToolPose pose) {
 
 }  // namespace
 
-Scene& Scene::add_tool(std::string name, Tool tool) {
+ToolHandle Scene::add_tool(std::string name, Tool tool) & {
   if (name.empty()) throw Error("add_tool: expected a name, got an empty one");
   const auto same = [&](const SceneTool& known) { return known.name == name; };
   if (std::ranges::any_of(tools_, same)) {
@@ -117,12 +117,11 @@ Scene& Scene::add_tool(std::string name, Tool tool) {
   tools_.push_back(std::move(added));
   ++next_tool_;
   ++version_;
-  return *this;
+  return {*this, tools_.back().id};
 }
 
 ToolHandle Scene::add_tool(Tool tool) & {
-  add_tool(default_name("tool", next_tool_, tools_), std::move(tool));
-  return {*this, tools_.back().id};
+  return add_tool(default_name("tool", next_tool_, tools_), std::move(tool));
 }
 
 ToolHandle Scene::add_tool(ToolShape shape) & {
@@ -144,21 +143,11 @@ Scene& Scene::remove_tool(std::string_view name) {
 }
 
 ToolHandle Scene::tool(std::string_view name) & {
-  for (const SceneTool& known : tools_) {
-    if (known.name == name) return {*this, known.id};
-  }
-  std::string names;
-  for (const SceneTool& known : tools_) names += (names.empty() ? "" : ", ") + known.name;
-  throw Error(ErrorCode::unknown_name,
-              "the scene has no tool \"" + std::string(name) + "\"; it has: " + (names.empty() ? "none" : names));
+  return {*this, item_named(tools_, "tool", name).id};
 }
 
 SceneTool& ToolHandle::own() const {
-  for (SceneTool& tool : scene_->tools_) {
-    if (tool.id == id_) return tool;
-  }
-  throw Error(ErrorCode::unknown_name,
-              "the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
+  return item_with(scene_->tools_, "tool", id_);
 }
 
 void ToolHandle::move_to(const ToolPose& pose) const {

@@ -76,22 +76,22 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
 
 }  // namespace
 
-Scene& Scene::constrain_volume() {
+Scene& Scene::constrain_volume() & {
   return constrain_volume(surface_of(*model_, ""));
 }
 
-Scene& Scene::constrain_volume(std::string_view group) {
+Scene& Scene::constrain_volume(std::string_view group) & {
   return constrain_volume(surface_of(part_of(*model_, group), group));
 }
 
-Scene& Scene::constrain_volume(VolumeConstraint surface) {
+Scene& Scene::constrain_volume(VolumeConstraint surface) & {
   require_sound(surface, *model_, volume_constraints_);
   volume_constraints_.push_back(std::move(surface));
   ++version_;
   return *this;
 }
 
-Scene& Scene::contacts(const ContactOptions& options) {
+Scene& Scene::contacts(const ContactOptions& options) & {
   if (model_->dimension != 3) throw Error("contacts: expected a three-dimensional model");
   if (!(options.friction >= 0.0) || !std::isfinite(options.friction)) {
     throw Error("contacts: expected a finite coefficient of friction of 0 or more, got " +

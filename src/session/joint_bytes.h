@@ -9,12 +9,28 @@
 
 namespace phymul {
 
-/// What a JointHandle can change: stiffness, damping (f64), rest lengths (count u64, f64 each).
-std::string joint_value_bytes(const Joint& joint);
-void change_joint_values(const JointHandle& joint, ByteReader& in);
+// For a ByteWriter and a thing that is const, or a ByteReader and one that is not; the scene checks a joint.
 
-void put_joint(ByteWriter& out, const SceneJoint& joint);
-/// Reads a joint and adds it to the scene. Throws Error if the bytes are damaged or the scene refuses the joint.
-void take_joint(ByteReader& in, Scene& scene);
+template <class Bytes, class Any>
+void anchor_fields(Bytes& bytes, Any& anchor) {
+  bytes.field(anchor.particles, "an anchor's particles");
+  bytes.list(anchor.weights, 8, "a number of weights", [&](auto& weight) { bytes.field(weight, "a weight"); });
+  bytes.field(anchor.tool, "an anchor's tool");
+  bytes.field(anchor.point, "an anchor's point");
+}
+
+template <class Bytes, class Any>
+void joint_fields(Bytes& bytes, Any& joint) {
+  bytes.list(joint.springs, 104, "a number of springs", [&](auto& spring) {
+    anchor_fields(bytes, spring.a);
+    anchor_fields(bytes, spring.b);
+    bytes.field(spring.rest_length, "a rest length");
+    bytes.field(spring.share, "a spring's share");
+  });
+  bytes.field(joint.stiffness, "a joint's stiffness");
+  bytes.field(joint.damping, "a joint's damping");
+  bytes.field(joint.slack, "whether a joint is slack");
+  bytes.field(joint.breaking_force, "a breaking force");
+}
 
 }  // namespace phymul

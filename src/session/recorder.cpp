@@ -106,7 +106,7 @@ void Recorder::record_tool(const SceneTool& tool) {
     ByteWriter out;
     out.text(tool.name);
     out.u8(seen.places != tool.places ? 1 : 0);
-    put_pose(out, tool.pose);
+    pose_fields(out, tool.pose);
     record(input_kind::pose, out.bytes());
   }
   if (seen.grasps != tool.grasps) {
@@ -128,23 +128,18 @@ StepReport Recorder::step(int n, double dt) {
 }
 
 RestResult Recorder::run_to_rest(int max_steps, double dt) {
-  record_scene();
-  const RestResult result = solver_.run_to_rest(max_steps, dt);
-  if (result.report.status == StepStatus::invalid_step) return result;
-  const StepReport& report = result.report;
-  record(input_kind::to_rest, step_bytes(report.stopped ? report.steps : max_steps, dt));
-  return result;
+  return run_to_rest(max_steps, dt, solver_.options().damping);
 }
 
 RestResult Recorder::run_to_rest(int max_steps, double dt, const Damping& damping) {
-  if (damping == solver_.options().damping) return run_to_rest(max_steps, dt);
   record_scene();
   const RestResult result = solver_.run_to_rest(max_steps, dt, damping);
   if (result.report.status == StepStatus::invalid_step) return result;
   const StepReport& report = result.report;
+  const std::string steps = step_bytes(report.stopped ? report.steps : max_steps, dt);
+  if (damping == solver_.options().damping) return record(input_kind::to_rest, steps), result;
   ByteWriter out;
-  out.index(report.stopped ? report.steps : max_steps);
-  out.real(dt);
+  out.raw(steps);
   out.real(damping.rate);
   out.real(damping.factor);
   record(input_kind::to_rest_damped, out.bytes());
@@ -165,6 +160,11 @@ void Recorder::reset(const State& state) {
 
 void Recorder::restore(const Snapshot& snapshot) {
   solver_.restore(snapshot);
+  // Scene::bring_back() may have put tools before others; what a scene made anew has lost, the snapshot has.
+  if (scene_version_ != changes_of(scene_)) {
+    record(input_kind::scene, scene_change_bytes(scene_, *before_, true));
+    keep_scene();
+  }
   record_scene();
   record(input_kind::restore, snapshot_bytes(snapshot));
 }

@@ -99,7 +99,8 @@ void Replay::move_tool(const Input& input) {
   const ToolHandle tool = scene_.tool(in.text("a tool's name"));
   const bool set = in.u8("whether it is placed, or grasps") != 0;
   if (input.kind == input_kind::pose) {
-    const ToolPose pose = take_pose(in);
+    ToolPose pose;
+    pose_fields(in, pose);
     set ? tool.teleport(pose) : tool.move_to(pose);
   } else {
     const double distance = in.real("a distance to grasp within");
@@ -112,15 +113,14 @@ void Replay::perform(const Input& input) {
   if (input.kind == input_kind::step) {
     const StepInput step = take_step(input);
     report_ = solver_.step(step.n, step.dt);
-  } else if (input.kind == input_kind::to_rest) {
-    const StepInput step = take_step(input);
-    report_ = solver_.run_to_rest(step.n, step.dt).report;
-  } else if (input.kind == input_kind::to_rest_damped) {
+  } else if (input.kind == input_kind::to_rest || input.kind == input_kind::to_rest_damped) {
     ByteReader in = reader(input);
     const int steps = in.index("a number of steps");
-    const double dt = in.real("a step"), rate = in.real("a damping rate"), factor = in.real("a damping factor");
+    const double dt = in.real("a step");
+    Damping damping = solver_.options().damping;
+    if (input.kind == input_kind::to_rest_damped) damping = {in.real("a damping rate"), in.real("a damping factor")};
     in.expect_end("the input");
-    report_ = solver_.run_to_rest(steps, dt, {.rate = rate, .factor = factor}).report;
+    report_ = solver_.run_to_rest(steps, dt, damping).report;
   } else if (input.kind == input_kind::restore) {
     ByteReader in = reader(input);
     const Snapshot snapshot = take_snapshot(in);

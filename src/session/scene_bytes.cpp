@@ -45,6 +45,24 @@ void load_fields(Bytes& bytes, Any& load) {
   bytes.field(load.applied_to, "a target");
 }
 
+/// What a JointHandle can change: stiffness, damping (f64), rest lengths (count u64, f64 each).
+std::string joint_value_bytes(const Joint& joint) {
+  ByteWriter out;
+  out.real(joint.stiffness);
+  out.real(joint.damping);
+  out.u64(joint.springs.size());
+  for (const JointSpring& spring : joint.springs) out.real(spring.rest_length);
+  return out.bytes();
+}
+
+void change_joint_values(const JointHandle& joint, ByteReader& in) {
+  const double stiffness = in.real("a joint's stiffness"), damping = in.real("a joint's damping");
+  std::vector<double> lengths(in.count(8, "a number of rest lengths"));
+  for (double& length : lengths) length = in.real("a rest length");
+  joint.set_stiffness(stiffness, damping);
+  joint.set_rest_lengths(lengths);
+}
+
 bool yes(ByteReader& in, const char* what) {
   bool value = false;
   in.field(value, what);
@@ -81,7 +99,7 @@ void take_tools(ByteReader& in, Scene& scene) {
   for (std::size_t k = 0; k < count; ++k) {
     std::string name = in.text("a tool's name");
     if (yes(in, "whether a tool is new")) {
-      added.emplace_back(std::move(name), take_tool(in));
+      tool_fields(in, added.emplace_back(std::move(name), Tool{}).second);
     } else {
       kept.push_back(std::move(name));
     }
@@ -138,7 +156,8 @@ void put_new_joints(ByteWriter& out, const Scene& scene, const SceneBefore& befo
   for (const SceneJoint& joint : scene.joints()) {
     if (known_joint(before, joint) != nullptr) continue;
     ++count;
-    put_joint(added, joint);
+    added.text(joint.name);
+    joint_fields(added, joint.joint);
   }
   out.u64(count);
   out.raw(added.bytes());
@@ -202,7 +221,7 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
     if (known) continue;
     Tool there = tool.tool;
     there.pose = tool.pose;
-    put_tool(out, there);
+    tool_fields(out, there);
   }
   put_new_joints(out, scene, from);
   if (anew) out.raw(volume_bytes(scene));
@@ -234,7 +253,12 @@ void change_scene(Scene& scene, ByteReader& in) {
   take_kept_joints(in, scene);
   take_tools(in, scene);
   const std::size_t added = in.count(8, "a number of new joints");
-  for (std::size_t k = 0; k < added; ++k) take_joint(in, scene);
+  for (std::size_t k = 0; k < added; ++k) {
+    std::string name = in.text("a joint's name");
+    Joint joint;
+    joint_fields(in, joint);
+    scene.add_joint(std::move(name), std::move(joint));
+  }
   if (anew) {
     std::vector<VolumeConstraint> kept;
     volume_fields(in, kept);

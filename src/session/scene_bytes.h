@@ -25,7 +25,7 @@ struct SceneBefore {
   std::vector<std::uint64_t> tools;  ///< SceneTool::id
   struct Joint {
     std::uint64_t id = 0;  ///< SceneJoint::id
-    std::string values;    ///< joint_value_bytes
+    std::string values;    ///< stiffness, damping, rest lengths
   };
   std::vector<Joint> joints;
 };

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "base/file_error.h"
 #include "elastic/dissipation.h"
 #include "simulation_parts.h"
 #include "solver/half_step.h"
@@ -112,14 +113,25 @@ void Simulation::Parts::start(const State& state) {
 void Simulation::Parts::start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
                                       const std::vector<JointReport>& of_joints) {
   solver().reset(state);
-  started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
-  for (std::size_t row = 0; row < of_tools.size(); ++row) {
-    ToolForce& force = started->tools[scene.tools()[row].id] = of_tools[row];
+  Snapshot rest = solver().snapshot();
+  for (std::size_t row = 0; row < std::min(rest.tools.size(), of_tools.size()); ++row) {
+    ToolForce& force = rest.tools[row].force = of_tools[row];
     force.mean_force = force.force;
     force.mean_torque = force.torque;
   }
-  for (std::size_t row = 0; row < of_joints.size(); ++row) started->joints[scene.joints()[row].id] = of_joints[row];
+  if (rest.joints.size() == of_joints.size()) rest.joints = of_joints;
+  solver().restore(rest);
+  started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
   state_changed();
+}
+
+void Simulation::Parts::bring_back(const Snapshot& snapshot) {
+  if (!snapshot.scene || (snapshot.topology_hash != 0 && snapshot.topology_hash != solver().topology_hash())) return;
+  const auto& tools = snapshot.scene->tools;
+  scene.bring_back(*snapshot.scene);
+  for (std::size_t row = 0; row < std::min(tools.size(), snapshot.tools.size()); ++row) {
+    scene.tool(tools[row].first).move_to(snapshot.tools[row].target);
+  }
 }
 
 void Simulation::Parts::begin(double dt) {
@@ -172,7 +184,7 @@ Scene& Simulation::scene() {
 const Scene& Simulation::scene() const {
   return parts_->scene;
 }
-Solver& Simulation::solver() {
+Solver& Simulation::unrecorded_solver() {
   return parts_->solver();
 }
 const Solver& Simulation::solver() const {
@@ -197,6 +209,11 @@ StepReport Simulation::advance(double seconds) {
   const double dt = seconds / steps;
   parts_->begin(dt);
   return parts_->step(static_cast<int>(steps), dt);
+}
+
+StepReport Simulation::step(int n, double dt) {
+  parts_->begin(dt);
+  return parts_->step(n, dt);
 }
 
 RestResult Simulation::run_to_rest(int max_steps) {
@@ -246,8 +263,6 @@ Energy Simulation::energy() const {
 }
 
 const ToolForce& Simulation::force_on(const ToolHandle& tool) const {
-  const auto& started = parts_->started;
-  if (started && started->tools.contains(tool.id()) && parts_->is_at_start()) return started->tools.at(tool.id());
   return solver().tool_force(tool);
 }
 
@@ -256,8 +271,6 @@ const ToolPose& Simulation::pose_of(const ToolHandle& tool) const {
 }
 
 const JointReport& Simulation::report_of(const JointHandle& joint) const {
-  const auto& started = parts_->started;
-  if (started && started->joints.contains(joint.id()) && parts_->is_at_start()) return started->joints.at(joint.id());
   return solver().joint_report(joint);
 }
 
@@ -266,7 +279,8 @@ Snapshot Simulation::snapshot() const {
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
-  solver().restore(snapshot);
+  parts_->bring_back(snapshot);
+  parts_->solver().restore(snapshot);
   parts_->state_changed();
 }
 
@@ -275,8 +289,12 @@ void Simulation::save(const std::string& path) const {
 }
 
 void Simulation::load(const std::string& path) {
-  load_state(solver(), path);
-  parts_->state_changed();
+  const Snapshot snapshot = read_state(path);
+  try {
+    restore(snapshot);
+  } catch (const Error& error) {
+    throw in_file(path, with_prefix(path + ": ", error));
+  }
 }
 
 void Simulation::keep_history(int every, std::size_t most_bytes) {
@@ -285,14 +303,17 @@ void Simulation::keep_history(int every, std::size_t most_bytes) {
 }
 
 bool Simulation::rewind(double time) {
-  const bool found = parts_->history && parts_->history->rewind(solver(), time);
-  if (found) parts_->state_changed();
-  return found;
+  const Snapshot* const found = parts_->history ? parts_->history->newest_at(time) : nullptr;
+  if (found == nullptr) return false;
+  parts_->bring_back(*found);
+  parts_->history->rewind(parts_->solver(), time);
+  parts_->state_changed();
+  return true;
 }
 
 void Simulation::record() {
   parts_->recorder.reset();
-  parts_->recorder.emplace(solver(), scene());
+  parts_->recorder.emplace(parts_->solver(), scene());
 }
 
 const Recording& Simulation::recording() const {
@@ -302,7 +323,7 @@ const Recording& Simulation::recording() const {
 
 void Simulation::replay(Recording recording) {
   parts_->recorder.reset();
-  Replay(std::move(recording), solver(), scene()).run();
+  Replay(std::move(recording), parts_->solver(), scene()).run();
 }
 
 }  // namespace phymul

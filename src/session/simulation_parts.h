@@ -6,7 +6,6 @@
 #include <phymul/simulation.h>
 
 #include <chrono>
-#include <map>
 #include <optional>
 
 #include "elastic/scaled_tables.h"
@@ -28,7 +27,9 @@ struct Simulation::Parts {
   /// too, and velocities are 0.
   void start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
                      const std::vector<JointReport>& of_joints);
-  bool is_at_start();    ///< no step was taken since start(), and the solver was given no other state
+  bool is_at_start();  ///< no step was taken since start(), and the solver was given no other state
+  /// Gives the scene the tools, joints and target poses of a snapshot, unless it is of another body.
+  void bring_back(const Snapshot& snapshot);
   void state_changed();  ///< by something that the recorder does not see
 
   StepReport step(int n, double dt);
@@ -44,9 +45,6 @@ struct Simulation::Parts {
   struct Start {
     State wanted, taken;  ///< as given; as the solver has it
     double dt = 0.0;      ///< s, that its velocities were converted for
-    /// Of a rest shape, by SceneTool::id and SceneJoint::id.
-    std::map<std::uint64_t, ToolForce> tools{};
-    std::map<std::uint64_t, JointReport> joints{};
   };
   std::optional<Start> started;
   std::optional<StateHistory> history;

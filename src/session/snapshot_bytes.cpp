@@ -8,13 +8,14 @@
 #include <limits>
 
 #include "base/fnv.h"
+#include "joint_bytes.h"
 #include "tool_bytes.h"
 
 namespace phymul {
 namespace {
 
-/// A part in the bytes alone, so that files have it which were written before snapshots had it.
-constexpr const char* motion_part = "motion";
+/// Parts in the bytes alone, so that files are read that were written before snapshots had them.
+constexpr const char *motion_part = "motion", *scene_part = "scene";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -35,9 +36,63 @@ void joint_state_fields(Bytes& bytes, Joints& joints) {
   });
 }
 
+template <class Bytes, class Parts>
+void scene_fields(Bytes& bytes, Parts& scene) {
+  bytes.list(scene.tools, 139, "a number of tools", [&](auto& tool) {
+    bytes.field(tool.first, "a tool's name");
+    tool_fields(bytes, tool.second);
+  });
+  bytes.list(scene.joints, 37, "a number of joints", [&](auto& joint) {
+    bytes.field(joint.first, "a joint's name");
+    joint_fields(bytes, joint.second);
+  });
+}
+
+template <class Bytes, class Tools, class Joints>
+void report_fields(Bytes& bytes, Tools& tools, Joints& joints) {
+  bytes.list(tools, 412, "a number of tools", [&](auto& tool) {
+    pose_fields(bytes, tool.target);
+    pose_fields(bytes, tool.last_pose);
+    auto& [force, torque, mean_force, mean_torque, particles, held_mass, held_centre, held_inertia] = tool.force;
+    for (auto* value : {&force, &torque, &mean_force, &mean_torque, &held_centre})
+      bytes.field(*value, "a tool's force");
+    bytes.field(particles, "a number of particles");
+    bytes.field(held_mass, "a mass");
+    for (int k = 0; k < 9; ++k) bytes.field(held_inertia(k / 3, k % 3), "a moment of inertia");
+  });
+  bytes.list(joints, 44, "a number of joints", [&](auto& joint) {
+    bytes.field(joint.force, "a joint's force");
+    bytes.field(joint.largest, "a force");
+    bytes.field(joint.broken, "a number of broken springs");
+    bytes.list(joint.springs, 33, "a number of springs", [&](auto& spring) {
+      bytes.field(spring.force, "a spring's force");
+      bytes.field(spring.length, "a length");
+      bytes.field(spring.broken, "whether a spring is broken");
+    });
+  });
+}
+
+bool is_finite(const ToolMemory& tool) {
+  const ToolForce& of = tool.force;
+  return tool.last_pose.position.allFinite() && tool.last_pose.orientation.coeffs().allFinite() &&
+         (of.force + of.torque + of.mean_force + of.mean_torque + of.held_centre).allFinite();
+}
+
+void take_scene(ByteReader& in, Snapshot& snapshot) {
+  SceneParts scene;
+  scene_fields(in, scene);
+  report_fields(in, snapshot.tools, snapshot.joints);
+  in.expect_end("the scene's tools and joints");
+  if (snapshot.tools.size() != scene.tools.size() || snapshot.joints.size() != scene.joints.size() ||
+      !std::ranges::all_of(snapshot.tools, [](const ToolMemory& tool) { return is_finite(tool); })) {
+    in.fail("expected a report of finite numbers for each tool and joint before this byte; the file is damaged");
+  }
+  snapshot.scene = std::make_shared<const SceneParts>(std::move(scene));
+}
+
 }  // namespace
 
-void put_snapshot(ByteWriter& out, const Snapshot& snapshot) {
+void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   out.u64(snapshot.state.position.size());
   out.real(snapshot.state.time);
   out.real(snapshot.last_dt);
@@ -50,10 +105,18 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot) {
   for (const ToolState& tool : snapshot.state.tools) put_tool_state(out, tool);
   joint_state_fields(out, snapshot.state.joints);
   const bool moved = snapshot.growth != 0.0 || snapshot.max_speed != 0.0;
-  out.u64(snapshot.parts.size() + (moved ? 1 : 0));
+  with_scene = with_scene && snapshot.scene;
+  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
+  }
+  if (with_scene) {
+    ByteWriter scene;
+    scene_fields(scene, *snapshot.scene);
+    report_fields(scene, snapshot.tools, snapshot.joints);
+    out.text(scene_part);
+    out.text(scene.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -91,15 +154,19 @@ Snapshot take_snapshot(ByteReader& in) {
   for (std::size_t k = 0; k < parts; ++k) {
     Snapshot::Part part;
     part.name = in.text("a part's name");
-    const std::string bytes = in.text("a part");
+    ByteReader bytes = in.nested("a part");
+    if (part.name == scene_part) {
+      take_scene(bytes, snapshot);
+      continue;
+    }
     if (part.name == motion_part) {
-      ByteReader motion("", bytes);
-      snapshot.growth = motion.real("a growth");
-      snapshot.max_speed = motion.real("a speed");
+      snapshot.growth = bytes.real("a growth");
+      snapshot.max_speed = bytes.real("a speed");
       if (!(snapshot.growth >= 0.0 && snapshot.max_speed >= 0.0)) in.fail("expected a growth and a speed of 0 or more");
       continue;
     }
-    part.bytes.assign(bytes.begin(), bytes.end());
+    const std::string_view all = bytes.raw(bytes.remaining(), "a part");
+    part.bytes.assign(all.begin(), all.end());
     snapshot.parts.push_back(std::move(part));
   }
   const bool finite = is_finite(snapshot.state) && all_finite(snapshot.displacement) && snapshot.last_dt >= 0.0 &&
@@ -110,7 +177,7 @@ Snapshot take_snapshot(ByteReader& in) {
 
 std::uint64_t fingerprint(const Snapshot& snapshot) {
   ByteWriter bytes;
-  put_snapshot(bytes, snapshot);
+  put_snapshot(bytes, snapshot, false);
   Fnv sum;
   sum.bytes(bytes.bytes());
   return sum.value();

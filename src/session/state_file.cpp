@@ -3,7 +3,6 @@
 #include <phymul/state_file.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 #include <ostream>
 
@@ -20,12 +19,6 @@ constexpr FileKind state_kind{"phymulSt", 4, "a state file"};
 constexpr const char* body_tag = "body";
 constexpr const char* state_tag = "stat";
 
-std::string hexadecimal(std::uint64_t value) {
-  char text[24];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
-
 std::size_t bytes_of(const Snapshot& snapshot) {
   std::size_t bytes = sizeof(Snapshot) + sizeof(Vec3) * (snapshot.state.position.size() +
                                                          snapshot.state.velocity.size() + snapshot.displacement.size());
@@ -39,6 +32,8 @@ std::size_t bytes_of(const Snapshot& snapshot) {
   for (const JointState& joint : snapshot.state.joints) {
     bytes += sizeof joint + joint.name.size() + joint.broken.size() * sizeof(Index);
   }
+  bytes += snapshot.tools.size() * sizeof(ToolMemory);  // Snapshot::scene is shared by all that have the same
+  for (const JointReport& joint : snapshot.joints) bytes += sizeof joint + joint.springs.size() * sizeof(SpringReport);
   for (const Snapshot::Part& part : snapshot.parts) bytes += sizeof part + part.name.size() + part.bytes.size();
   return bytes;
 }
@@ -81,24 +76,6 @@ Snapshot read_state(const std::string& path) {
 
 void load_state(Solver& solver, const std::string& path) {
   const Snapshot snapshot = read_state(path);
-  const std::size_t count = snapshot.state.position.size();
-  const auto own_count = static_cast<std::size_t>(solver.topology().particle_count);
-  if (count != own_count) {
-    // Magic word, version and the head of a section before the body; its text, a checksum and a head before the state.
-    fail_format(path, 0,
-                "byte " + std::to_string(24 + 12 + snapshot.backend.size() + 16) + ": expected a state of " +
-                    std::to_string(own_count) + " particles, got one of " + std::to_string(count) +
-                    "; load it into a solver of the body it was saved from");
-  }
-  const std::uint64_t own = solver.topology_hash();
-  if (snapshot.topology_hash != own) {
-    fail_format(
-        path, 0,
-        "byte 24: expected a state of the body " + hexadecimal(own) + ", got one of " +
-            hexadecimal(snapshot.topology_hash) +
-            ", which has another shape, material, order of particles or other options; load it into a solver over "
-            "the same tables, or take read_state(...).state where only positions are wanted");
-  }
   try {
     solver.restore(snapshot);
   } catch (const Error& error) {

@@ -25,14 +25,8 @@ void each_member(Shape& shape, Visit visit) {
   } else if constexpr (std::is_same_v<Plain, Box>) {
     for (int a = 0; a < 3; ++a) visit(shape.half_size[a]);
   } else if constexpr (std::is_same_v<Plain, Needle>) {
-    visit(shape.length);
-    visit(shape.radius);
-    visit(shape.puncture);
-    visit(shape.cutting);
-    visit(shape.static_friction);
-    visit(shape.kinetic_friction);
-    visit(shape.spread);
-    visit(shape.bending_stiffness);
+    auto& [length, radius, puncture, cutting, at_rest, sliding, spread, bending] = shape;
+    for (auto* m : {&length, &radius, &puncture, &cutting, &at_rest, &sliding, &spread, &bending}) visit(*m);
   } else {
     static_assert(std::is_same_v<Plain, HalfSpace>, "a shape that is not written yet");
   }
@@ -83,14 +77,6 @@ ToolShape take_shape(ByteReader& in, ShapeKind kind) {
 
 // From here on: what a thing is made of, for a ByteWriter and a thing that is const, or a ByteReader and one that is
 // not.
-
-template <class Bytes, class Pose>
-void pose_fields(Bytes& bytes, Pose& pose) {
-  bytes.field(pose.position, "a tool's position");
-  for (int k = 0; k < 4; ++k) bytes.field(pose.orientation.coeffs()[k], "a tool's orientation");  // x, y, z, w
-  bytes.field(pose.velocity, "a tool's velocity");
-  bytes.field(pose.spin, "a tool's spin");
-}
 
 template <class Bytes, class Any>
 void law_fields(Bytes& bytes, Any& tool) {
@@ -143,17 +129,7 @@ void require_one_each(const ByteReader& in, std::size_t items, std::size_t parti
 
 }  // namespace
 
-void put_pose(ByteWriter& out, const ToolPose& pose) {
-  pose_fields(out, pose);
-}
-
-ToolPose take_pose(ByteReader& in) {
-  ToolPose pose;
-  pose_fields(in, pose);
-  return pose;
-}
-
-void put_tool(ByteWriter& out, const Tool& tool) {
+void tool_fields(ByteWriter& out, const Tool& tool) {
   code(out, kind_of(tool.shape), "");
   std::visit(
       [&](const auto& shape) {
@@ -167,12 +143,11 @@ void put_tool(ByteWriter& out, const Tool& tool) {
   law_fields(out, tool);
 }
 
-Tool take_tool(ByteReader& in) {
+void tool_fields(ByteReader& in, Tool& tool) {
   ShapeKind kind{};
   code(in, kind, "a tool's shape");
-  Tool tool{.shape = take_shape(in, kind)};
+  tool.shape = take_shape(in, kind);
   law_fields(in, tool);
-  return tool;
 }
 
 void put_tool_state(ByteWriter& out, const ToolState& state) {

@@ -5,7 +5,31 @@
 #include <phymul/error.h>
 #include <phymul/solver.h>
 
+#include <algorithm>
+
 namespace phymul {
+namespace {
+
+template <class Items>
+std::size_t row_named(const Items& items, const std::string& kind, std::string_view name) {
+  const auto own = std::ranges::find(items, name, &Items::value_type::name);
+  if (own != items.end()) return own - items.begin();
+  throw Error(ErrorCode::unknown_name, "the scene has no " + kind + " \"" + std::string(name) + '"');
+}
+
+template <class Items, class Handle>
+std::size_t row_of(const Scene& scene, const Items& items, const std::string& kind, const Handle& handle) {
+  if (!handle.is_of(scene)) {
+    throw Error("the handle is of a " + kind + " of another scene than the solver's; take one from Scene::" + kind +
+                " of that scene");
+  }
+  const auto own = std::ranges::find(items, handle.id(), &Items::value_type::id);
+  if (own != items.end()) return own - items.begin();
+  throw Error(ErrorCode::unknown_name, "the scene no longer has the " + kind + " of this handle; Scene::" + kind +
+                                           " gives handles of those it has");
+}
+
+}  // namespace
 
 Solver::Solver() = default;
 Solver::~Solver() = default;
@@ -25,23 +49,11 @@ State Solver::read() const {
 }
 
 std::size_t Solver::tool_row(std::string_view name) const {
-  const std::vector<SceneTool>& tools = scene().tools();
-  for (std::size_t row = 0; row < tools.size(); ++row) {
-    if (tools[row].name == name) return row;
-  }
-  throw Error(ErrorCode::unknown_name, "the scene has no tool \"" + std::string(name) + '"');
+  return row_named(scene().tools(), "tool", name);
 }
 
 std::size_t Solver::tool_row(const ToolHandle& tool) const {
-  if (!tool.is_of(scene())) {
-    throw Error("the handle is of a tool of another scene than the solver's; take one from Scene::tool of that scene");
-  }
-  const std::vector<SceneTool>& tools = scene().tools();
-  for (std::size_t row = 0; row < tools.size(); ++row) {
-    if (tools[row].id == tool.id()) return row;
-  }
-  throw Error(ErrorCode::unknown_name,
-              "the scene no longer has the tool of this handle; Scene::tool gives handles of those it has");
+  return row_of(scene(), scene().tools(), "tool", tool);
 }
 
 const ToolForce& Solver::tool_force(const ToolHandle& tool) const {
@@ -84,24 +96,11 @@ VecList Solver::needle_points(std::string_view name, int count) const {
 }
 
 const JointReport& Solver::joint_report(std::string_view name) const {
-  const std::vector<SceneJoint>& joints = scene().joints();
-  for (std::size_t row = 0; row < joints.size(); ++row) {
-    if (joints[row].name == name) return joint_report_at(row);
-  }
-  throw Error(ErrorCode::unknown_name, "the scene has no joint \"" + std::string(name) + '"');
+  return joint_report_at(row_named(scene().joints(), "joint", name));
 }
 
 const JointReport& Solver::joint_report(const JointHandle& joint) const {
-  if (!joint.is_of(scene())) {
-    throw Error(
-        "the handle is of a joint of another scene than the solver's; take one from Scene::joint of that scene");
-  }
-  const std::vector<SceneJoint>& joints = scene().joints();
-  for (std::size_t row = 0; row < joints.size(); ++row) {
-    if (joints[row].id == joint.id()) return joint_report_at(row);
-  }
-  throw Error(ErrorCode::unknown_name,
-              "the scene no longer has the joint of this handle; Scene::joint gives handles of those it has");
+  return joint_report_at(row_of(scene(), scene().joints(), "joint", joint));
 }
 
 }  // namespace phymul

@@ -146,6 +146,7 @@ void SolverBackend::reset(const State& state) {
   copies_.clear();
   do_reset(state);
   joints_->reset(state);
+  bring_back_reports({});
   growth_ = growth_of_state_ = speed_ = 0.0;
   first_beyond_ = -1;
 }
@@ -161,8 +162,28 @@ void SolverBackend::read(State& state) const {
   joints_->read(state);
 }
 
+const ToolReport& SolverBackend::tool_report(std::size_t row) const {
+  const auto before = tools_before_.find(scene_->tools()[row].id);
+  return before != tools_before_.end() ? before->second : do_tool_report(row);
+}
+
 const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
-  return joints_->report(scene_->joints()[row]);
+  const auto before = joints_before_.find(scene_->joints()[row].id);
+  return before != joints_before_.end() ? before->second : joints_->report(scene_->joints()[row]);
+}
+
+void SolverBackend::bring_back_reports(const Snapshot& snapshot) {
+  tools_before_.clear();
+  joints_before_.clear();
+  if (!snapshot.scene) return;
+  for (std::size_t row = 0; row < snapshot.tools.size(); ++row) {
+    ToolReport& report = tools_before_[scene_->tools()[row].id] = do_tool_report(row);
+    report.last_pose = snapshot.tools[row].last_pose;
+    report.force = snapshot.tools[row].force;
+  }
+  for (std::size_t row = 0; row < snapshot.joints.size(); ++row) {
+    joints_before_[scene_->joints()[row].id] = snapshot.joints[row];
+  }
 }
 
 /// Eigenvalues of sums are at most the sums of the largest (Weyl).
@@ -231,6 +252,16 @@ Snapshot SolverBackend::snapshot() const {
   snapshot.max_speed = speed_;
   snapshot.topology_hash = topology_hash();
   snapshot.backend = name_;
+  if (!scene_->tools().empty() && !takes_tools()) return snapshot;
+  const std::uint64_t version = scene_->version() + scene_->values_version();
+  if (!parts_ || parts_version_ != version) parts_ = std::make_shared<const SceneParts>(scene_->parts());
+  parts_version_ = version;
+  snapshot.scene = parts_;
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
+    const ToolReport& report = tool_report(row);
+    snapshot.tools.push_back({scene_->tools()[row].pose, report.last_pose, report.force});
+  }
+  for (std::size_t row = 0; row < scene_->joints().size(); ++row) snapshot.joints.push_back(joint_report_at(row));
   return snapshot;
 }
 
@@ -252,12 +283,24 @@ void SolverBackend::restore(const Snapshot& snapshot) {
         "particles or other options of the tables; the solver keeps its state. Restore it into a solver over the same "
         "tables, or reset() to the snapshot's state where only positions are wanted");
   }
+  const SceneParts own = scene_->parts();
+  if (const std::string found = snapshot.scene ? difference(*snapshot.scene, own) : ""; !found.empty()) {
+    throw Error(
+        "Solver::restore: expected a scene with the snapshot's tools and joints, in its order; the first that "
+        "differs, or that only one of them has, is " +
+        found +
+        ". Call Scene::bring_back(*snapshot.scene) before, or clear Snapshot::scene to keep those of the scene");
+  }
+  if (snapshot.scene && (snapshot.tools.size() != own.tools.size() || snapshot.joints.size() != own.joints.size())) {
+    throw Error("Solver::restore: expected a report for each of the snapshot's tools and joints");
+  }
   if (!(snapshot.last_dt >= 0.0) || !std::isfinite(snapshot.last_dt) || snapshot.steps_at_rest < 0) {
     throw Error("Solver::restore: expected a finite last step of 0 s or more and no negative count of steps at rest");
   }
   follow_scene();
   do_restore(snapshot);
   joints_->reset(snapshot.state);
+  bring_back_reports(snapshot);
   copies_.clear();
   growth_ = snapshot.growth;
   first_beyond_ = -1;

@@ -48,7 +48,7 @@ void SolverBackend::set_last_velocities(std::vector<ToolState>& tools, double dt
   for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
     const auto own = std::ranges::find(tools, scene_->tools()[row].name, &ToolState::name);
     if (own == tools.end()) continue;
-    const ToolReport& report = do_tool_report(row);
+    const ToolReport& report = tool_report(row);
     const ToolPose &pose = report.pose, &last = report.last_pose;
     const Eigen::AngleAxisd turn(Eigen::Quaterniond(pose.orientation) *
                                  Eigen::Quaterniond(last.orientation).conjugate());

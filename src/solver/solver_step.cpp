@@ -212,6 +212,7 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
     growth_ = motion.strain.growth;
     speed_ = motion.max_speed;
     growth_of_state_ = 0.0;
+    bring_back_reports({});
   }
   report.force_clamped = motion.force_clamped;
   report.springs_broken = joints_->broken() - broken_before;

@@ -171,6 +171,17 @@ TEST(MakeBody, ASolidEndsAtItsBox) {
   EXPECT_NEAR(report.wanted_volume, 1e-3, 0.01e-3);
 }
 
+TEST(MakeBody, ASurfaceEntersSolids) {
+  BodyReport ball, hollow;
+  make_body(ball_surface(0.05, 10), {.spacing = 0.01}, &ball);
+  const Solid box = solid_box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06}), within = solid_within(ball_surface(0.05, 10));
+  make_body(solid_difference(box, within), {.spacing = 0.01}, &hollow);
+  EXPECT_NEAR(hollow.wanted_volume, 0.12 * 0.12 * 0.12 - ball.wanted_volume, 1e-3 * ball.wanted_volume);
+  EXPECT_NEAR(within.distance({0, 0, 0.01}), -0.04, 2e-3);
+  const Surface twice = both(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1, 1, 0}, {2, 2, 1}));
+  EXPECT_TRUE(refuses([&] { solid_within(twice); }, "solid_within: shells touch along the edge from (1"));
+}
+
 TEST(MakeBody, RefusesWhatCannotBeFilled) {
   const Solid ball = solid_ball({0, 0, 0}, 0.05);
   const double nan = std::numeric_limits<double>::quiet_NaN();

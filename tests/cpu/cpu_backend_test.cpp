@@ -143,12 +143,12 @@ TEST(CpuBackend, NoForceAtRestOrAfterATranslation) {
 }
 
 Scene pulled(const Model& model) {
-  Scene scene(model);
   const Load pull{.type = LoadType::translation,
                   .particles = model.group("x1"),
                   .events = {{0.0, 0.0}, {1.0, 0.1}},
                   .direction = {1, 0, 0}};
-  return scene.fix("x0")
+  return Scene(model)
+      .fix("x0")
       .gravity({0, 0, -9.81})
       .add(pull)
       .add({.particles = model.group("y1"), .events = {{0.0, 0.01}}, .direction = {0, 1, 0}});

@@ -85,7 +85,8 @@ TEST_P(GlJoint, IsTheMirrorsBitByBitAndTheReferences) {
 
 TEST_P(GlJoint, InAPlaneToolsPullInIt) {
   const Model model = with_material(make_strip(0.04, 0.02, 6, 3));
-  Scene scene = Scene(model).add_tool("hook", {.shape = Sphere{0.001}, .pose = {.position = {0.05, 0.01, 0.003}}});
+  Scene scene(model);
+  scene.add_tool("hook", {.shape = Sphere{0.001}, .pose = {.position = {0.05, 0.01, 0.003}}});
   scene.attach(model.group("x0"), World{}, {.stiffness = 2e4, .damping = 3.0});
   scene.add_joint({at_tool("hook", {0.001, 0, 0}), at_mean(model.group("x1")), 0.005}, 5.0);
   const GlTrio trio = trio_of(scene);

@@ -83,7 +83,8 @@ class RefusedScene : public OnBothDevices {
 
   Scene pressed() const {
     Scene scene = Scene(model_).fix("low/z0").gravity({0, 0, -9.81});
-    return scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
+    scene.add_tool("ball", {.shape = Sphere{0.004}, .pose = {.position = {0.0123, 0.0131, 0.0242}}});
+    return scene.copy();
   }
   /// As DeviceSolver decides.
   static bool acts_on_host(const Scene& scene) {

@@ -25,7 +25,8 @@ TEST_P(GlTool, EveryShapeHasTheMirrorsBits) {
   for (Tool tool : tools_of_each_kind()) {
     SCOPED_TRACE(row++);
     tool.pose = above({0.014, 0.011, 0.03});
-    Scene scene = Scene(model_).fix("z0").gravity({0, 0, -2}).add_tool("tool", tool);
+    Scene scene = Scene(model_).fix("z0").gravity({0, 0, -2});
+    scene.add_tool("tool", tool);
     scene.add_tool("jaw", {.shape = Box{{0.03, 0.002, 0.0015}}, .pose = {.position = {0.015, 0.01, 0.021}}});
     const GlTwins twins = this->twins(scene);
     int touched = 0;
@@ -66,7 +67,8 @@ TEST_P(GlTool, AgreesWithTheReferenceAlsoFarFromTheOrigin) {
     const Model model = moved(model_, origin);
     const auto tables = tables_of(model, {});
     tool.pose = above(origin + Vec3(0.014, 0.011, 0.03));
-    Scene scene = Scene(model).fix("z0").add_tool("tool", tool);
+    Scene scene = Scene(model).fix("z0");
+    scene.add_tool("tool", tool);
     gl::DeviceSolver gl(GetParam(), tables, scene, options_);
     const auto reference = make_solver("reference", tables, scene, options_);
     double largest = 0.0, way = 0.0, off = 0.0, off_force = 0.0;

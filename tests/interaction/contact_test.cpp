@@ -110,7 +110,8 @@ TEST_P(Contact, ThinToolAtTwoMetresASecondDoesNotPassThroughACentimetre) {
 
 TEST_P(Contact, FastParticlesDoNotPassThroughAThinTool) {
   Model model = soft_block({0.01, 0.01, 0.01}, 2, 2, 2);
-  Scene scene = Scene(model).add_tool("wall", {.shape = Box{{0.05, 0.05, 1e-4}}, .pose = {.position = {0, 0, -0.005}}});
+  Scene scene(model);
+  scene.add_tool("wall", {.shape = Box{{0.05, 0.05, 1e-4}}, .pose = {.position = {0, 0, -0.005}}});
   const auto solver = make(model, scene);
   State state = solver->read();
   for (Vec3& v : state.velocity) v = {0, 0, -20.0};

@@ -130,7 +130,7 @@ TEST(KeptVolume, IsExactInASqueezedBodyUnderGravity) {
 TEST(KeptVolume, IsExactWhereParticlesWereShifted) {
   const Model model = soft_block();
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene = Scene(model).constrain_volume(), measure = scene;
+    Scene scene = Scene(model).constrain_volume(), measure = scene.copy();
     scene.add_tool("probe", {.shape = Sphere{0.008}, .pose = {.position = {0.015, 0.010, 0.024}}});
     const auto solver = make_solver(backend, model, scene);
     ASSERT_TRUE(is_ok(solver->step(1, 0.3 * solver->stable_step())));

@@ -218,7 +218,8 @@ TEST(BendingNeedle, OfAnyStiffnessIsStableInAHandThatShakes) {
 VecList ends_from(const std::string& backend, double stiffness, double way) {
   const Model model = Insertion::gel(3);
   ToolPose pose{.position = {0.0203, 0.0197, block_side - 0.01}};
-  Scene scene = Scene(model).fix("z0").add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
+  Scene scene = Scene(model).fix("z0");
+  scene.add_tool("needle", {.shape = bending(stiffness), .pose = pose, .friction = 0.5});
   const auto solver = make_solver(backend, model, scene, {}, damped(40.0));
   State start = solver->read();
   start.position[model.rest.size() / 2].x() += way;

@@ -141,7 +141,8 @@ TEST_P(ToolHold, IsOfTheFirstListedOfTwoThatReachAParticle) {
   EXPECT_EQ(held_after_a_step("jaw"), 0);
   EXPECT_EQ(held("wide"), 2 * face);
 
-  scene_.remove_tool("jaw").remove_tool("wide").add_tool("wide", wide).add_tool("jaw", jaw_below());
+  scene_.remove_tool("jaw").remove_tool("wide").add_tool("wide", wide);
+  scene_.add_tool("jaw", jaw_below());
   solver_->reset();
   scene_.tool("jaw").grasp(near);
   scene_.tool("wide").grasp(0.0);

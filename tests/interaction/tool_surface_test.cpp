@@ -238,8 +238,9 @@ TEST_P(ToolSurfaceOn, PlacedOverASurfaceLetsItOutWithoutSpeed) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
   const Vec3 over(0.0115, 0.0108, 0.0251);
   const double radius = 0.008;
-  Scene scene = Scene(model).add_tool(
-      "ball", {.shape = Sphere{radius}, .pose = {.position = {0.01, 0.01, 0.5}}, .contact = ToolContact::surface});
+  Scene scene(model);
+  scene.add_tool("ball",
+                 {.shape = Sphere{radius}, .pose = {.position = {0.01, 0.01, 0.5}}, .contact = ToolContact::surface});
   const auto solver = make(model, scene);
   scene.tool("ball").teleport({.position = over});
   const StepReport report = solver->step(1, 0.3 * solver->stable_step());
@@ -292,7 +293,8 @@ TEST_P(ToolSurfaceOn, TouchesParticlesWhereThereAreNoTriangles) {
   std::array<State, 2> end;
   std::array<Vec3, 2> force;
   for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
-    Scene scene = Scene(model).fix("y0").add_tool(
+    Scene scene = Scene(model).fix("y0");
+    scene.add_tool(
         "ball",
         {.shape = Sphere{0.008}, .pose = {.position = {0.021, 0.0264, 0}}, .friction = 0.2, .contact = contact});
     const auto solver = make(model, scene);

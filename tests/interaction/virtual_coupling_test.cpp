@@ -276,7 +276,8 @@ struct Hanging {
 
 Hanging hang(const Tool& jaw, double grasp, double ratio, bool turned, double gravity) {
   const Model model = soft_block({0.03, 0.03, 0.03}, 5, 5, 5);
-  Scene scene = Scene(model).gravity({0, 0, -gravity}).add_tool("jaw", jaw);
+  Scene scene = Scene(model).gravity({0, 0, -gravity});
+  scene.add_tool("jaw", jaw);
   const auto solver = make_solver("cpu", model, scene, {}, damped(20.0));
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.5 * solver->stable_step())));
   const ToolHandle tool = scene.tool("jaw");

@@ -34,8 +34,8 @@ Model calibrated_cylinder(const Vec3& origin = Vec3::Zero()) {
 
 /// Lower end held, upper end pulled along z, gravity.
 Scene pulled(const Model& model, double amount) {
-  Scene scene(model);
-  return scene.fix("bottom")
+  return Scene(model)
+      .fix("bottom")
       .gravity({0, 0, -9.81})
       .add({.type = LoadType::translation,
             .particles = model.group("top"),

@@ -308,7 +308,7 @@ TEST(Scene, TakesNoTemporaryModel) {
 }
 
 // What owns a scene and its solver must not compile as something to move.
-static_assert(!std::is_move_constructible_v<Scene> && std::is_constructible_v<Scene, const Scene&>);
+static_assert(!std::is_move_constructible_v<Scene> && !std::is_constructible_v<Scene, Scene&>);
 static_assert(!std::is_assignable_v<Scene&, Scene> && !std::is_assignable_v<Scene&, const Scene&>);
 struct SceneAndSolver {
   Scene scene;
@@ -318,9 +318,9 @@ static_assert(!std::is_move_constructible_v<SceneAndSolver>);
 
 TEST(Scene, CopiesAreIndependent) {
   const Model model = make_block({1, 1, 1}, 1, 1, 1);
-  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1}).add_tool("ball", {.shape = Sphere{0.1}});
-  const ToolHandle ball = scene.tool("ball");
-  const Scene other = scene;
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -1});
+  const auto ball = scene.add_tool("ball", {.shape = Sphere{0.1}});
+  const Scene other = scene.copy();
   ball.move_to({.position = {1, 2, 3}});
   EXPECT_EQ(scene.loads().size(), 1u);
   EXPECT_EQ(scene.tools().front().pose.position, Vec3(1, 2, 3));

@@ -53,14 +53,14 @@ TEST_P(JointSessionIn, SnapshotsKnowWhatBroke) {
   ASSERT_TRUE(other.advance(0.02).ok());
   EXPECT_EQ(other.snapshot(), end);
 
-  sim.solver().reset();
+  sim.unrecorded_solver().reset();
   EXPECT_EQ(sim.solver().joint_report("bed").broken, 0);
   EXPECT_TRUE(sim.solver().read().joints.empty());
   State wrong = middle.state;
   wrong.joints[0].broken = {15};
-  EXPECT_TRUE(refuses([&] { sim.solver().reset(wrong); }, "joint \"bed\" has the broken spring 15"));
+  EXPECT_TRUE(refuses([&] { sim.unrecorded_solver().reset(wrong); }, "joint \"bed\" has the broken spring 15"));
   wrong.joints[0].name = "gone";
-  sim.solver().reset(wrong);
+  sim.unrecorded_solver().reset(wrong);
   EXPECT_EQ(sim.solver().joint_report("bed").broken, 0) << "of a joint that the scene does not have";
 }
 

@@ -128,15 +128,15 @@ TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
   ASSERT_TRUE(other->step(3, 0.2 * other->stable_step()).ok());
   const Snapshot before = other->snapshot();
   const std::string message = message_of([&] { load_state(*other, path); });
-  EXPECT_TRUE(says(message, path + ": byte 24: expected a state of the body "));
-  EXPECT_TRUE(says(message, "load it into a solver over the same tables"));
+  EXPECT_TRUE(says(message, path + ": Solver::restore: expected a snapshot of this solver's body, got one of another"));
+  EXPECT_TRUE(says(message, "Restore it into a solver over the same tables"));
   EXPECT_EQ(other->snapshot(), before);
 
   const Model small = make_tetrahedron(0.01);
   const Scene small_scene(small);
   const auto few = make_solver("cpu", small, small_scene);
   EXPECT_TRUE(refuses([&] { load_state(*few, path); },
-                      "expected a state of 4 particles, got one of " + std::to_string(model.rest.size())));
+                      "expected 4 positions and velocities, got " + std::to_string(model.rest.size())));
 }
 
 /// A member more than are written would be lost in silence.
@@ -176,7 +176,9 @@ TEST(StateFile, FingerprintsTellBodiesApart) {
 
 std::string a_file() {
   const Model model = make_tetrahedron(0.01);
-  const Scene scene(model);
+  Scene scene(model);
+  scene.add_tool("ball", {.shape = Sphere{0.01}});
+  scene.add_joint({at_particle(0), at_world({0, 0, 1})}, 1.0);
   const auto solver = make_solver("cpu", model, scene);
   const std::string path = path_for("whole.state");
   save_state(*solver, path);
@@ -209,35 +211,16 @@ TEST(StateFile, CutAtEveryByteAndEveryBitTurnedIsRefused) {
   expect_damage_is_refused(a_file(), [](const std::string& bytes) { read_state_bytes(bytes, "s"); });
 }
 
-/// Damage behind a right checksum, as a program with a mistake would write it: read and restored, or an Error.
 TEST(StateFile, MutantsWithRightChecksumsAreHarmless) {
   const Model model = make_tetrahedron(0.01);
-  const Scene scene(model);
+  Scene scene(model);
   const auto solver = make_solver("cpu", model, scene);
-  const FileKind kind{"phymulSt", 4, "a state file"};
-  const std::string good = a_file();
-  const std::vector<FileSection> sections = read_sections("s", good, kind, {"body", "stat"});
-  const std::string body(sections[0].payload), payload(sections[1].payload);
-  std::mt19937 bits(3);
-  int read = 0, refused = 0;
-  for (int k = 0; k < 3000; ++k) {
-    std::string mutant = payload;
-    hurt(mutant, bits);
-    ByteWriter head, tail;
-    head.raw(body);
-    tail.raw(mutant);
-    SectionWriter file(kind);
-    file.add("body", head);
-    file.add("stat", tail);
-    try {
-      solver->restore(read_state_bytes(file.finish(), "s"));
-      ++read;
-    } catch (const Error&) {
-      ++refused;
-    }
-  }
-  EXPECT_GT(read, 100);
-  EXPECT_GT(refused, 1000);
+  expect_mutants_are_harmless({"phymulSt", 4, "a state file"}, {"body", "stat"}, a_file(),
+                              [&](const std::string& file) {
+                                const Snapshot snapshot = read_state_bytes(file, "s");
+                                if (snapshot.scene) scene.bring_back(*snapshot.scene);
+                                solver->restore(snapshot);
+                              });
 }
 
 TEST(StateFile, AFileThatCannotBeWrittenLeavesTheOldOne) {

@@ -233,7 +233,7 @@ TEST(FailingAllocation, WhileASimulationIsMadeAndStepped) {
     EXPECT_GT(fail_each([&] {
                 Simulation sim(model, {.backend = backend});
                 sim.scene().fix("x0").gravity({0, 0, -9.81});
-                sim.solver().step(1, 0.2 * sim.solver().stable_step());
+                sim.step(1, 0.2 * sim.solver().stable_step());
               }),
               50);
   }

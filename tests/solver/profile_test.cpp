@@ -65,6 +65,12 @@ TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
   ASSERT_NE(tools, nullptr);
   EXPECT_EQ(tools->runs, 7);
   EXPECT_GT(tools->seconds, 0.0);
+  EXPECT_EQ(find(passes, "contacts"), nullptr);
+  scene.remove_tool("floor").constrain_volume();
+  ASSERT_TRUE(solver->step(3, dt).ok());
+  EXPECT_EQ(find(solver->profile(), "contacts")->runs, 3);
+  EXPECT_GT(find(solver->profile(), "contacts")->seconds, 0.0);
+  EXPECT_EQ(find(solver->profile(), "tools")->runs, 7);
 }
 
 TEST_P(ProfileTest, CountsEveryStepOnce) {

@@ -51,7 +51,7 @@ TEST(TwoThreads, ARefusedStepLeavesNoTrace) {
   options.progress_seconds = 0.0;
   options.progress = [&](const StepProgress&) {
     refused += inner->advance(1e-3).ok() ? 0 : 1;
-    EXPECT_THROW(inner->solver().reset(), Error);
+    EXPECT_THROW(inner->unrecorded_solver().reset(), Error);
     return true;
   };
   Simulation sim(make_block({0.04, 0.02, 0.02}, 4, 2, 2),

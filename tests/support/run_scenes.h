@@ -10,6 +10,7 @@
 #include <functional>
 #include <random>
 
+#include "base/checked_file.h"
 #include "bodies.h"
 #include "message_of.h"
 #include "steps.h"
@@ -74,6 +75,28 @@ inline void hurt(std::string& bytes, std::mt19937& bits) {
     if (way == 1) bytes.insert(at, 1 + bits() % 9, '\xff');
     if (way > 1) bytes[at] = static_cast<char>(bytes[at] ^ 1 << bits() % 8);
   }
+}
+
+/// Damage behind right checksums, in any section but the first: `use` takes a file or throws an Error.
+inline void expect_mutants_are_harmless(const FileKind& kind, std::initializer_list<std::string_view> tags,
+                                        const std::string& good, const std::function<void(const std::string&)>& use) {
+  const std::vector<FileSection> sections = read_sections("good", good, kind, tags);
+  std::mt19937 bits(5);
+  int taken = 0, refused = 0;
+  for (int k = 0; k < 4000; ++k) {
+    SectionWriter file(kind);
+    const std::size_t hurt_one = 1 + bits() % (sections.size() - 1);
+    for (std::size_t s = 0; s < sections.size(); ++s) {
+      std::string bytes(sections[s].payload);
+      if (s == hurt_one) hurt(bytes, bits);
+      ByteWriter payload;
+      payload.raw(bytes);
+      file.add(sections[s].tag, payload);
+    }
+    ++(message_of([&] { use(file.finish()); }) == "(no error)" ? taken : refused);
+  }
+  EXPECT_GT(taken, 100);
+  EXPECT_GT(refused, 1000);
 }
 
 }  // namespace phymul::test

@@ -251,7 +251,7 @@ class Simulation(Owner):
         return self._stepped(library.phymul_advance, seconds)
 
     def step(self, steps: int, dt: float) -> StepReport:
-        """`steps` steps of dt, s, which record() does not see. Throws StepError if one fails."""
+        """`steps` steps of dt, s. Throws StepError if one fails."""
         return self._stepped(library.phymul_step, steps, dt)
 
     def run_to_rest(self, most_steps: int = 200_000) -> RestReport:
@@ -329,7 +329,7 @@ class Simulation(Owner):
         library.phymul_set_state(self._pointer, time, *(None if each is None else each.ctypes.data for each in arrays))
 
     def snapshot(self) -> Snapshot:
-        """The state with all that further steps depend on except the scene."""
+        """The state with all that further steps depend on, tools and joints too, except loads, gravity and contacts."""
         return Snapshot(make("snapshot", library.phymul_snapshot_take, self._pointer))
 
     def restore(self, snapshot: Snapshot) -> None:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""test_wheel.py <wheel>: packs the package, installs the wheel in an empty folder and uses it there."""
+"""test_wheel.py <build folder>: makes the wheel, installs the source tree by pip in an empty folder, and uses it
+there."""
 
 import base64
 import csv
@@ -11,16 +12,16 @@ import sys
 import tempfile
 import zipfile
 
-import phymul
+root = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(root / "bindings/python"))
+import make_wheel
 
-packer = pathlib.Path(__file__).resolve().parents[1] / "make_wheel.py"
-package = pathlib.Path(phymul.__file__).parent
+build = sys.argv[1]
 program = "import phymul; print(phymul.__file__, len(phymul.make_block((1, 1, 1), 2, 2, 2).rest))"
 
 with tempfile.TemporaryDirectory() as folder:
-    wheel = pathlib.Path(folder) / pathlib.Path(sys.argv[1]).name
     site = pathlib.Path(folder) / "site"
-    subprocess.run([sys.executable, packer, package, wheel], check=True, stdout=subprocess.DEVNULL)
+    wheel = pathlib.Path(folder) / make_wheel.build_wheel(folder, {"build-dir": build})
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
         record = next(name for name in names if name.endswith(".dist-info/RECORD"))
@@ -36,7 +37,8 @@ with tempfile.TemporaryDirectory() as folder:
             archive.extractall(site)  # what pip does with a wheel of this kind
     if has_pip:
         subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index",
-                        "--disable-pip-version-check", "--target", site, wheel], check=True)
+                        "--no-build-isolation", "--disable-pip-version-check", "--config-settings",
+                        f"build-dir={build}", "--target", site, root], check=True)
     environment = {**os.environ, "PYTHONPATH": str(site)}
     output = subprocess.run([sys.executable, "-c", program], env=environment, cwd=folder, check=True, text=True,
                             stdout=subprocess.PIPE).stdout

@@ -187,7 +187,7 @@ void PackedTools::ask(simd::Move& move) {
 }
 
 bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt,
-                      const simd::MoveSummary& moved) {
+                      const simd::MoveSummary& moved, WorkLaps& laps) {
   if (move.load != nullptr) {
     std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
   } else {
@@ -199,7 +199,9 @@ bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, doubl
   Step step(*this, move, pool, (1.0 + of_floats) * farthest, longest_way(moved, dt));
   touched_.begin(step, dt, last_dt);
   set_.act(touched_);
+  if (!set_.empty()) laps.end(Work::tools);
   lost_volume_ = touching_.act(touched_);
+  if (touches()) laps.end(Work::contacts);
   touched_.end();
   return !pushed_.empty();
 }

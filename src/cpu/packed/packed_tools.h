@@ -13,6 +13,7 @@
 #include "interaction/tool_set.h"
 #include "interaction/touching.h"
 #include "packed_body.h"
+#include "simd_profile.h"
 
 namespace phymul::cpu {
 
@@ -22,6 +23,7 @@ class PackedTools {
 
   void follow(const Scene& scene, std::span<const std::uint8_t> fixed);
   bool empty() const { return set_.empty() && touching_.empty(); }
+  bool touches() const { return !touching_.empty(); }
   ToolSet& set() { return set_; }
   void reset(const Scene& scene, const State& state);
   /// The step counts. `moved`: of its last pass.
@@ -32,7 +34,8 @@ class PackedTools {
   void ask(simd::Move& move);
   /// After a moving pass: what tools do about where it went. True where the pass is to be done again, with loads() in
   /// place of move.load. `last_dt`: s, of the step before; 0: none. `moved`: of that pass.
-  bool act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt, const simd::MoveSummary& moved);
+  bool act(const simd::Move& move, ThreadPool& pool, double dt, double last_dt, const simd::MoveSummary& moved,
+           WorkLaps& laps);
   /// Quads of the particles that the last act() pushed, and of those that shift() will move with the way of each, m.
   std::span<const std::size_t> pushed() const { return pushed_; }
   std::span<const std::pair<std::size_t, std::array<float, 3>>> shifts() const { return shifts_; }

@@ -5,18 +5,9 @@ namespace phymul::cpu {
 
 WorkLaps::WorkLaps(Profile* profile, const PackedBody& body) : profile_(profile) {
   if (!profile_) return;
-  constexpr std::array<const char*, kinds> names{"loads",
-                                                 "gathering",
-                                                 "bases",
-                                                 "enumerated bases",
-                                                 "springs",
-                                                 "volumes",
-                                                 "averaged stresses",
-                                                 "averaged forces",
-                                                 "waiting",
-                                                 "move",
-                                                 "tools",
-                                                 "checks"};
+  constexpr std::array<const char*, kinds> names{
+      "loads",   "gathering", "bases", "enumerated bases", "springs", "volumes", "averaged stresses", "averaged forces",
+      "waiting", "move",      "tools", "contacts",         "checks"};
   for (std::size_t k = 0; k < names.size(); ++k) rows_[k] = profile_->row(names[k]);
   const auto runs = [this](Work work, bool yes) {
     bool& any = runs_[static_cast<std::size_t>(work)];
@@ -34,9 +25,10 @@ WorkLaps::WorkLaps(Profile* profile, const PackedBody& body) : profile_(profile)
   runs(Work::waiting, body.clusters.size() > 1);
 }
 
-void WorkLaps::end_step(bool tools) {
+void WorkLaps::end_step(bool tools, bool contacts) {
   if (!profile_) return;
   if (tools) profile_->add(row_of(Work::tools), 0.0, 1);
+  if (contacts) profile_->add(row_of(Work::contacts), 0.0, 1);
   for (std::size_t k = 0; k < runs_.size(); ++k) {
     if (runs_[k]) profile_->add(rows_[k], 0.0, 1);
   }

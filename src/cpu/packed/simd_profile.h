@@ -22,6 +22,7 @@ enum class Work {
   waiting,
   move,
   tools,
+  contacts,  // and kept volumes
   checks
 };
 
@@ -35,11 +36,11 @@ class WorkLaps {
   void end(Work work) {
     if (profile_) laps_.end(row_of(work), 0);
   }
-  /// Every kind of work that the body has ran once; that of tools, contacts and kept volumes where there are any.
-  void end_step(bool tools);
+  /// Every kind of work that the body has ran once; that of tools and of contacts where there are any.
+  void end_step(bool tools, bool contacts);
 
  private:
-  static constexpr int kinds = 12;
+  static constexpr int kinds = 13;
   int row_of(Work work) const { return rows_[static_cast<std::size_t>(work)]; }
 
   Profile* profile_;

@@ -208,9 +208,8 @@ class SimdSolver final : public SolverBackend {
 
   /// The row of a volume that cannot be restored; -1: none.
   int touch(const StepPlan& plan) {
-    pushed_ = tools_.act(move_, pool_, plan.dt, last_dt_, moved());
+    pushed_ = tools_.act(move_, pool_, plan.dt, last_dt_, moved(), laps_);
     if (local_) local_->keep_pushes(move_, pushed_ ? tools_.loads() : nullptr);
-    laps_.end(Work::tools);
     return tools_.lost_volume();
   }
 
@@ -229,7 +228,7 @@ class SimdSolver final : public SolverBackend {
       for (const auto& shifted : tools_.shifts()) {
         if (sleep_) sleep_->shift(shifted.first);
       }
-      laps_.end(Work::tools);
+      laps_.end(tools_.set().empty() ? Work::contacts : Work::tools);
     }
     summary_ = moved();
     motion.max_acceleration = std::sqrt(static_cast<double>(summary_.acceleration));
@@ -257,7 +256,7 @@ class SimdSolver final : public SolverBackend {
     motion.max_speed = std::sqrt(static_cast<double>(summary_.speed));
     motion.max_displacement = std::sqrt(static_cast<double>(summary_.displacement));
     laps_.end(Work::checks);
-    laps_.end_step(touches());
+    laps_.end_step(!tools_.set().empty(), tools_.touches());
   }
 
   static RestThresholds rest_now(const StepPlan& plan, const Motion& motion) {

@@ -163,7 +163,7 @@ class BodyTypes {
 
 std::vector<std::string> add_body_types(Scene& scene) {
   BodyTypes types(scene.model());
-  Scene checked(scene);  // an error leaves `scene` as it was
+  Scene checked = scene.copy();  // an error leaves `scene` as it was
   for (const auto& [name, joint] : types.joints) checked.add_joint(name, joint);
   if (!types.held.empty()) scene.fix(types.held);
   for (auto& [name, joint] : types.joints) scene.add_joint(name, std::move(joint));
