@@ -93,7 +93,8 @@ TEST_P(GlStiffness, FactorsReachTheirDomains) {
   Model model = with_material(make_block({0.08, 0.05, 0.05}, 16, 10, 10));
   set_material(model, {20e3, 0.3, 1000.0}, [](const Vec3& x) { return x.x() < 0.03; });
   set_material(model, hard, [](const Vec3& x) { return x.z() < 0.02; });
-  Scene scene = Scene(model).scale_stiffness(std::vector<double>{0.2, 3.0, 0.6}).fix("x0").gravity({0, 0, -9.81});
+  Scene scene = Scene(model).fix("x0").gravity({0, 0, -9.81});
+  scene.scale_stiffness({0.2, 3.0, 0.6});
   const GlTrio trio = trio_of(tables_of(model, {}), scene);
   trio.reset(random_state(model, 0.05, 0.0, 9));
   trio.step(10, 0.3 * trio.reference->stable_step());

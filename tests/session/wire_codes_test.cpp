@@ -37,28 +37,33 @@ TEST(WireCodes, NeverChange) {
   for (const ToolShape& shape : {ToolShape(Sphere{1}), ToolShape(Capsule{1, 2}), ToolShape(HalfSpace{}),
                                  ToolShape(Box{{1, 1, 1}}), ToolShape(grid), ToolShape(Needle{})}) {
     ByteWriter out;
-    put_tool(out, {.shape = shape});
+    tool_fields(out, {.shape = shape});
     EXPECT_EQ(first_byte(out.bytes()), code++);
     ByteReader in("tool", out.bytes());
-    EXPECT_EQ(take_tool(in).shape.index(), shape.index());
+    Tool tool;
+    tool_fields(in, tool);
+    EXPECT_EQ(tool.shape.index(), shape.index());
   }
   code = 0;
   for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
     ByteWriter out;
-    put_tool(out, {.shape = Sphere{1}, .contact = contact});
+    tool_fields(out, {.shape = Sphere{1}, .contact = contact});
     EXPECT_EQ(out.bytes().back(), code++);
     ByteReader in("tool", out.bytes());
-    EXPECT_EQ(take_tool(in).contact, contact);
+    Tool tool;
+    tool_fields(in, tool);
+    EXPECT_EQ(tool.contact, contact);
   }
   std::string unknown;
   {
     ByteWriter out;
-    put_tool(out, {.shape = Sphere{1}});
+    tool_fields(out, {.shape = Sphere{1}});
     unknown = out.bytes();
   }
   unknown.back() = 2;
   ByteReader in("tool", unknown);
-  EXPECT_TRUE(refuses([&] { take_tool(in); }, "expected a tool's contact, a number below 2, got 2"));
+  Tool tool;
+  EXPECT_TRUE(refuses([&] { tool_fields(in, tool); }, "expected a tool's contact, a number below 2, got 2"));
 }
 
 }  // namespace

@@ -115,7 +115,8 @@ TEST(LiveStiffnessOfABody, IsThatOfOneBuiltSo) {
     const bool points = c.name == "points";
     const Tissues tissues;
     const Model model = c.make(tissues), made_so = c.make(tissues.scaled(first, points ? first : second));
-    Scene scene = Scene(model).scale_stiffness(first);
+    Scene scene(model);
+    scene.scale_stiffness(first);
     if (!points) scene.scale_stiffness(tissues.tumour, second);
     const TopologyTextures own = build_topology(model, c.options), other = build_topology(made_so, c.options);
     const VecList x = random_positions(model, 0.1, 3);
@@ -199,7 +200,8 @@ TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {
   for (const ScaledBody& c : cases()) {
     SCOPED_TRACE(c.name);
     const Model model = c.make({});
-    Scene plain = Scene(model).add(pull_on(model)), scaled = Scene(plain).scale_stiffness(1.0);
+    Scene plain = Scene(model).add(pull_on(model)), scaled = plain.copy();
+    scaled.scale_stiffness(1.0);
     const auto one = make_solver(GetParam(), model, plain, c.options);
     const auto other = make_solver(GetParam(), model, scaled, c.options);
     ASSERT_TRUE(all_step(50, 0.5 * one->stable_step(), one, other));
@@ -257,7 +259,8 @@ PHYMUL_ON_BACKENDS(LiveStiffnessOnProcessor, std::vector<std::string>({"referenc
 /// A driver of GL may allocate whenever it likes.
 TEST_P(LiveStiffnessOnProcessor, AllocatesNothingInSteps) {
   const Model model = cases()[1].make({});
-  Scene scene = Scene(model).scale_stiffness(2.0);
+  Scene scene(model);
+  scene.scale_stiffness(2.0);
   const auto solver = make_solver(GetParam(), model, scene, {}, {.threads = 1});
   ASSERT_TRUE(solver->step(1, 0.5 * solver->stable_step()).ok());
   for (const double factor : {3.0, 1.0}) {
@@ -311,7 +314,8 @@ TEST(LiveStiffnessOfAScene, RefusesWhatItCannotMean) {
 
 TEST(LiveStiffnessOfAScene, IsRefusedWhereItWouldBeIgnored) {
   const Model model = cases()[1].make({});
-  Scene scene = Scene(model).scale_stiffness(2.0);
+  Scene scene(model);
+  scene.scale_stiffness(2.0);
   const auto topology = std::make_shared<const TopologyTextures>(build_topology(model));
   EXPECT_TRUE(refuses([&] { OutsideBackend(topology, scene); }, "scales the stiffness of materials"));
   scene.scale_stiffness(1.0);
