@@ -135,7 +135,7 @@ TEST_P(GlTool, CopiesAndLostDevicesKnowWhatToolsHold) {
 }
 
 TEST_P(GlTool, ASceneWithoutToolsPaysNothing) {
-  Scene without = Scene(model_).fix("z0"), with = without;
+  Scene without = Scene(model_).fix("z0"), with = without.copy();
   with.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.015, 0.01, 0.0245}}});
   options_.profile = true;
   const auto plain = make(without), touched = make(with);

@@ -57,7 +57,7 @@ PHYMUL_ON_BOTH_DEVICES(GlVolume);
 TEST_P(GlVolume, IsKeptUnderLoadWithTheMirrorsBits) {
   Scene lossy = Scene(model_).fix("x0").gravity({0, 0, -9.81}), measure = Scene(model_).constrain_volume();
   lossy.add(pull(model_, "x1", {-1, 0, 0}, {{0, 0}, {200 * dt_, 0.006}}));
-  Scene scene = Scene(lossy).constrain_volume();
+  Scene scene = lossy.copy().constrain_volume();
   const GlTwins twins = this->twins(scene);
   const auto reference = make_solver("reference", tables_, scene, options_);
   const auto alone = make_solver("reference", tables_, lossy, options_);
