@@ -24,8 +24,8 @@ struct EnergyKind {
 inline constexpr std::array energy_kinds{EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 3, 2, 2},
                                          EnergyKind{StrainEnergy::fibres, "fibres", 4, 6, 3}};
 
-/// Below it rough motions would cost next to nothing. In a part without a particle inside, as a single layer of cells,
-/// all are held by free surfaces, and more than 0.1 would make a plate of tetrahedra too stiff by half.
+/// Below it rough motions would cost next to nothing. A part without a particle inside, as a single layer of cells, has
+/// few of them, and calibration finds 0.1 to 0.25 there: with 0.25 plates of tetrahedra are an eighth too stiff.
 inline constexpr double least_stabiliser = 0.25, least_stabiliser_of_layers = 0.1;
 
 constexpr const EnergyKind& kind_of(StrainEnergy energy) {

@@ -140,11 +140,8 @@ ToolPose above_block(double by) {
 /// step.
 TEST_P(GlHostStep, ReadsWhatIsWithinReach) {
   options_.profile = true;
-  Scene scene =
-      Scene(model_)
-          .fix("z0")
-          .gravity({0, 0, -2})
-          .add_tool("ball", {.shape = Sphere{0.005}, .pose = above_block(0.5), .contact = ToolContact::surface});
+  Scene scene = Scene(model_).fix("z0").gravity({0, 0, -2});
+  scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = above_block(0.5), .contact = ToolContact::surface});
   const auto device = make(scene);
   ASSERT_TRUE(device->step(10, dt_).ok());
   device->clear_profile();
@@ -162,7 +159,7 @@ TEST_P(GlHostStep, ReadsWhatIsWithinReach) {
 /// Steps out of reach are those of the body alone, bit for bit; a body that is too fast for what was assumed
 /// of it is looked at again.
 TEST_P(GlHostStep, OutOfReachNothingChanges) {
-  Scene alone = Scene(model_).fix("z0").gravity({0, 0, -9.81}), beside = alone;
+  Scene alone = Scene(model_).fix("z0").gravity({0, 0, -9.81}), beside = alone.copy();
   beside.add_tool("ball", {.shape = Sphere{0.005}, .pose = above_block(0.02), .contact = ToolContact::surface});
   const auto with = make(beside), without = make(alone);
   State thrown = rest_state(model_);
@@ -215,8 +212,8 @@ TEST_P(GlHostStep, WhatComesIsMet) {
 /// Forces that the limit of the displacement withholds are borne by what pushes against them.
 TEST_P(GlHostStep, WithheldForcesAreBorne) {
   options_.max_displacement_per_step = 1e-4;
-  Scene scene = Scene(model_).fix("z0").add_tool(
-      "ball", {.shape = Sphere{0.005}, .pose = above_block(1e-4), .contact = ToolContact::surface});
+  Scene scene = Scene(model_).fix("z0");
+  scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = above_block(1e-4), .contact = ToolContact::surface});
   const auto device = make(scene);
   const auto reference = make_solver("reference", tables_, scene, options_);
   scene.tool("ball").move_to(above_block(-3e-3));
@@ -253,7 +250,8 @@ TEST_P(GlHostStep, AToolGoesOnWhereItActsElsewhere) {
 }
 
 TEST_P(GlHostStep, SnapshotsCopiesAndLostDevicesGoOn) {
-  Scene scene = Scene(model_).fix("z0").add_tool(
+  Scene scene = Scene(model_).fix("z0");
+  scene.add_tool(
       "ball", {.shape = Sphere{0.005}, .pose = above_block(-2e-4), .friction = 0.3, .contact = ToolContact::surface});
   const auto device = make(scene), other = make(scene);
   scene.tool("ball").move_to({.position = {0.015, 0.011, 0.0235}});
@@ -275,8 +273,8 @@ TEST_P(GlHostStep, SnapshotsCopiesAndLostDevicesGoOn) {
 TEST_P(GlHostStep, RestsWhereTheReferenceDoesAndKeepsTheStateBeforeAFailure) {
   options_.damping.rate = 200.0;
   options_.rest_tolerance = 1e-4;
-  Scene scene = Scene(model_).fix("z0").add_tool(
-      "ball", {.shape = Sphere{0.005}, .pose = above_block(-1e-4), .contact = ToolContact::surface});
+  Scene scene = Scene(model_).fix("z0");
+  scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = above_block(-1e-4), .contact = ToolContact::surface});
   const auto device = make(scene);
   const auto reference = make_solver("reference", tables_, scene, options_);
   scene.tool("ball").move_to(above_block(-8e-4));
