@@ -65,7 +65,7 @@ void beam(TruthTable& table, bool quick) {
           heavy = beam_at_rest(across, young, poisson, beam_loads[2]);
         }
         const std::string fit = fitted < 0 ? ", authors' E" : fitted == 3 ? ", marker 6 mm above" : "";
-        if (fitted >= 0) table.row("beam", "E, Pa" + fit, mesh, n, young, not_known);
+        if (fitted >= 0) table.row("beam", "E, kPa" + fit, mesh, n, 1e-3 * young, not_known);
         for (const double load : beam_loads) {
           const std::array<double, 4> down = load == beam_loads[2] ? heavy : beam_at_rest(across, young, poisson, load);
           if (fitted == 3) {

@@ -45,7 +45,9 @@ void TruthTable::curve(const std::string& it, const std::string& name, double x,
 }
 
 Simulation simulation(Model model, const Material& material, const std::string& backend) {
-  return Simulation(std::move(model), {.material = material, .backend = backend});
+  SimulationOptions options{.material = material, .backend = backend};
+  options.solver.threads = 1;  // bodies are small, and the machine may be busy
+  return Simulation(std::move(model), std::move(options));
 }
 
 Simulation silicone_beam(int across, const Material& material, const std::string& backend) {

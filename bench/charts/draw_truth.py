@@ -5,6 +5,7 @@ import argparse
 import math
 import os
 import re
+import textwrap
 
 import chart_data as data
 import chart_style as style
@@ -31,6 +32,12 @@ def percent(share, sign="+"):
     return "" if math.isnan(share) else f"{100 * share:{sign}.2f} %" if abs(share) < 0.1 else f"{100 * share:{sign}.0f} %"
 
 
+def wrapped(text):
+    """Paragraphs in lines of 120 columns."""
+    return "\n\n".join(p if p.startswith("#") else textwrap.fill(" ".join(p.split()), 120, break_long_words=False,
+                                                                  break_on_hyphens=False) for p in text.strip().split("\n\n"))
+
+
 class Rows:
     def __init__(self, rows):
         self.all = rows
@@ -48,12 +55,12 @@ class Rows:
                        and re.sub(r"\d+( across| a side| x \d+)", "", r["mesh"]) == kind), key=lambda r: int(r["particles"]))
 
     def mesh_change(self, row):
-        """From this mesh to the finest one; NaN if it is the finest: then from the one before it."""
+        """From this mesh to the finest one; where this is the finest, from the one before it."""
         line = self.series(row["case"], row["quantity"], row["mesh"])
         if len(line) < 2:
             return math.nan
-        other = line[-1] if line[-1] is not row else line[-2]
-        return number(other, "ours") / number(row, "ours") - 1
+        before, after = (row, line[-1]) if line[-1] is not row else (line[-2], row)
+        return number(after, "ours") / number(before, "ours") - 1
 
     def step_change(self, row):
         """From 0.90 to 0.45 of the stable step."""
@@ -102,7 +109,7 @@ def draw_beam(rows, curves, out, foot):
                       markersize=3, capsize=4, linewidth=1.2, label=f"{where}, two recordings")
         left.plot(x, [number(r, "ours") for r in found], "-", color=INK[k], linewidth=1.0, label=f"{where}, ours")
     left.set(xlabel="load, N", ylabel="vertical displacement, mm", title="At rest; E fitted at 1.0 N to the top mark")
-    left.legend(fontsize=7)
+    left.legend(fontsize=7, loc="upper right")
     for k, ((law,), points) in enumerate(data.groups([c for c in curves if c["case"] == "beam period"], "curve").items()):
         right.plot([number(p, "x") for p in points], [number(p, "y") for p in points], color=INK[k], linewidth=1.0, label=law)
     right.set(xlabel="s", ylabel="top mark, mm", title="Released under gravity, 1,029 particles")
@@ -181,16 +188,17 @@ def main(folder, pictures, page):
 
     def value(match):
         """{case; quantity; mesh} is our value there, {%case; ...} its error, {~case; ...} the change to the finest mesh."""
-        kind, case, quantity, mesh = re.fullmatch(r"\{([%~]?)([^;]*); ([^;]*); ([^;]*)\}", match.group(0)).groups()
+        kind, case, quantity, mesh = re.fullmatch(
+            r"\{([%~]?)([^;]*); ([^;]*); ([^;]*)\}", " ".join(match.group(0).split())).groups()  # lines may be broken
         row = rows.of(case, quantity, mesh)
         return percent(error(row)) if kind == "%" else percent(rows.mesh_change(row)) if kind == "~" else f"{number(row, 'ours'):.4g}"
 
-    parts = [FIRST.replace("CAPTION", foot), summary(rows)]
+    parts = [wrapped(FIRST.replace("CAPTION", foot)), summary(rows)]
     for title, picture, text, case, wanted in CASES:
         parts.append(f"## {title}")
         if picture:
             parts.append(f"![{title}]({below}/{picture}.png)")
-        parts.append(re.sub(r"\{[^{}]*\}", value, text.strip()))
+        parts.append(wrapped(re.sub(r"\{[^{}]*\}", value, text)))
         if wanted:
             parts.append(table(rows, case, wanted))
     parts.append(LAST)

@@ -12,11 +12,11 @@ sources. The bodies are made by the library's own shapes, the law is the [defaul
 calibrated stabiliser; no option was chosen for a case. Rest shapes are those of `solve_static` on the backend
 `reference`, to a residual of 1e-7 and less, motion is by steps of the backend `cpu`.
 
-**Columns.** *error*: ours over the mean of what is known, less 1. *mesh*: what changes from this body to the finest one
-of the case (from the one before, if this is the finest). *step*: what changes from 0.9 to 0.45 of the stable step; empty
-at rest, where there are no steps. *of the known*: half the width of the two recordings, or of the range to which the
-known value is known; empty for closed forms and single published values, whose own error is in the text. *asked*: the
-bound that was set before the cases were run.
+**Columns.** *error*: ours over the mean of what is known, less 1. *mesh*: what changes from this body to the finest
+one of the case (from the one before, if this is the finest). *step*: what changes from 0.9 to 0.45 of the stable
+step; empty at rest, where there are no steps. *of the known*: half the width of the two recordings, or of the range
+to which the known value is known; empty for closed forms and single published values, whose own error is in the text.
+*asked*: the bound that was set before the cases were run.
 """
 
 # letter, case, quantity, mesh, words, % asked
@@ -56,35 +56,36 @@ HEADS = [
 # title, picture, text, case and quantities of the table
 CASES = [
     ("A. Beam of silicone, measured", "truth_beam", """
-**Measured.** Dragon Skin 10, 100 x 30 x 30 mm, one end clamped, 1,070 kg/m^3; motion capture at 100 Hz, two recordings
-for each load ([diffPD_sim2real](https://github.com/srl-ethz/diffPD_sim2real), `python/realbeam_experiments`). Loads of
-0, 0.51012 and 1.00062 N hang on the upper edge of the free end.
+**Measured.** Dragon Skin 10, 100 x 30 x 30 mm, one end clamped, 1,070 kg/m^3; motion capture at 100 Hz, two
+recordings for each load ([diffPD_sim2real](https://github.com/srl-ethz/diffPD_sim2real),
+`python/realbeam_experiments`). Loads of 0, 0.51012 and 1.00062 N hang on the upper edge of the free end.
 
-**Fitted.** E, to the mean of the two recordings of the top mark at 1.0 N: {beam; E, Pa; nu 0.490, 6 across} Pa with
-1,029 particles (the authors of the measurement: 263,824 Pa, by their elements). **Predicted:** everything else. With the
-authors' E nothing is fitted, and the top mark is off by {%beam; 0 N mark 1, authors' E; nu 0.490, 6 across},
-{%beam; 0.51012 N mark 1, authors' E; nu 0.490, 6 across} and {%beam; 1.0006 N mark 1, authors' E; nu 0.490, 6 across} at the three loads.
+**Fitted.** E, to the mean of the two recordings of the top mark at 1.0 N: {beam; E, kPa; nu 0.490, 6 across} kPa with
+1,029 particles (the authors of the measurement: 263.8 kPa, by their elements). **Predicted:** everything else. With
+the authors' E nothing is fitted, and the top mark is off by {%beam; 0 N mark 1, authors' E; nu 0.490, 6 across},
+{%beam; 0.51012 N mark 1, authors' E; nu 0.490, 6 across} and {%beam; 1.0006 N mark 1, authors' E; nu 0.490, 6 across}
+at the three loads.
 
-**Uncertainty of the measurement.** The two recordings differ by 3.5 % at 1.0 N, so that E is known to 1.8 % at best, and with
-it every prediction: at 0.51 N the prediction and the recordings are within that and the bound of each other, not closer.
-Which axis is vertical is a second one: `python3 bench/reference/silicone_beam.py FOLDER` reads the recordings. Along
-their own vertical it meets the figures used here within 0.13 mm; along the axis of the clamped beam, fitted to its six
-markers, the top mark is at 6.50 and 6.58, 17.16 and 17.28, 27.12 and 26.16 mm, up to 2 % less. Markers beside the clamp move
-by 0.3 to 0.8 mm. The markers stand 6 mm off the surface. The side ones move down with the section below them; the top
-one turns with it. Where E is fitted to the place of the marker, "marker 6 mm above", it is {beam; E, Pa, marker 6 mm above; nu 0.490, 6 across} Pa, and
-the predictions are {%beam; 0 N mark 1, marker 6 mm above; nu 0.490, 6 across} and {%beam; 0.51012 N mark 1, marker 6 mm above; nu 0.490, 6 across}: outside of the
-bound at 0.51 N. The right mark is off by up to 5 % on all bodies.
+**Uncertainty of the measurement.** The two recordings differ by 3.5 % at 1.0 N, so that E is known to 1.8 % at best,
+and with it every prediction; at 0.51 N ours is off by more than that. Which axis is vertical is a second one: `python3 bench/reference/silicone_beam.py FOLDER` reads the
+recordings. Along their own vertical it meets the figures used here within 0.13 mm; along the axis of the clamped
+beam, fitted to its six markers, the top mark is at 6.50 and 6.58, 17.16 and 17.28, 27.12 and 26.16 mm, up to 2 %
+less. Markers beside the clamp move by 0.3 to 0.8 mm. The markers stand 6 mm off the surface. The side ones move down
+with the section below them; the top one turns with it. Where E is fitted to the place of the marker, "marker 6 mm
+above", it is {beam; E, kPa, marker 6 mm above; nu 0.490, 6 across} kPa, and the predictions are {%beam; 0 N mark 1,
+marker 6 mm above; nu 0.490, 6 across} and {%beam; 0.51012 N mark 1, marker 6 mm above; nu 0.490, 6 across}: outside
+of the bound at 0.51 N. The right mark is off by up to 5 % on all bodies.
 
-**Uncertainty of ours.** Mesh: columns above; finer bodies are softer, and fitting E takes up most of it. nu is not measured; at 0.499 in
-place of 0.49 the predictions change by half a percent and less, because E is fitted anew.
+**Uncertainty of ours.** Mesh: columns above; finer bodies are softer, and fitting E takes up most of it. nu is not
+measured; at 0.499 in place of 0.49 the predictions change by half a percent and less, because E is fitted anew.
 
-**Period.** Released under gravity alone. The period is 0.1288 s (mean of eight swings by the script: 0.1299 s), amplitudes fall by
-a factor of 1.35 to 1.44 a swing. The undamped body swings more slowly, by {%beam period; period s undamped; 6 across, step 0.90}, and by
-{%beam period; period s undamped; 9 across, step 0.90} on the finest one. Mesh and step do not explain it. The silicone is
-viscoelastic: at 8 Hz it is stiffer than at rest. A standard linear solid with `relaxation_strength` 0.208 and
-`relaxation_time` 19.7 ms, both **fitted** to decay and period, has {beam period; period s relaxation; 6 across, step 0.90} s; this shows that
-the law can have both, and predicts nothing. `retardation_time` alone (1.94 ms, fitted to the decay) leaves the period at
-{beam period; period s retardation; 6 across, step 0.90} s.
+**Period.** Released under gravity alone. The period is 0.1288 s (mean of eight swings by the script: 0.1299 s),
+amplitudes fall by a factor of 1.35 to 1.44 a swing. With the authors' E the undamped period is off by {%beam period; period s
+undamped; 6 across, step 0.90}, and by {%beam period; period s undamped; 9 across, step 0.90} on the finest one. Mesh
+and step do not explain it. The silicone is viscoelastic: at 8 Hz it is stiffer than at rest. A standard linear solid
+with `relaxation_strength` 0.208 and `relaxation_time` 19.7 ms, both **fitted** to decay and period, has {beam period;
+period s relaxation; 6 across, step 0.90} s; this shows that the law can have both, and predicts nothing.
+`retardation_time` alone would lengthen the period, by 0.1 %.
 
 **Not shown.** One body, one material, bending below 28 % of its length. How the loads hang on the edge is not known.
 """, "beam", ".*"),
@@ -93,90 +94,102 @@ the law can have both, and predicts nothing. `retardation_time` alone (1.94 ms, 
 **Measured.** Cubes of human cortex, nominal stress, means over specimens (Budday et al. 2017, as tabulated in
 [CANN](https://github.com/LivingMatterLab/CANN)); strain taken as homogeneous, as the authors do.
 
-**Fitted.** One shear modulus to all 12 points by least squares: {brain; mu, kPa, fit of all; one cube} kPa. Nothing is predicted.
+**Fitted.** One shear modulus to all 12 points by least squares: {brain; mu, kPa, fit of all; one cube} kPa. Nothing
+is predicted.
 
-**The default law does not describe brain.** At the ends of the branches it is off by {%brain; tension 1.1; fit of all}
-(tension), {%brain; compression 0.9; fit of all} (compression) and {%brain; shear 0.2; fit of all} (shear), at small strain by up to
-{%brain; tension 1.05; fit of all}. Brain stiffens with shear, which a neo-Hookean material does not, and is at a tenth nearly three times as
-stiff in compression as in tension (neo-Hookean: 1.2 times). Fitted to one branch alone (mu {brain; mu, kPa, fit of tension; one cube}, {brain; mu, kPa, fit of compression; one cube},
-{brain; mu, kPa, fit of shear; one cube} kPa) it is off by 12 to 75 % there. Choose E for the strain that matters, or another law.
+**The default law does not describe brain.** At the ends of the branches it is off by {%brain; tension 1.1; fit of
+all} (tension), {%brain; compression 0.9; fit of all} (compression) and {%brain; shear 0.2; fit of all} (shear), at
+small strain by up to {%brain; tension 1.05; fit of all}. Brain stiffens with shear, which a neo-Hookean material does
+not, and is at a tenth nearly three times as stiff in compression as in tension (neo-Hookean: 1.2 times). Fitted to
+one branch alone (mu {brain; mu, kPa, fit of tension; one cube}, {brain; mu, kPa, fit of compression; one cube},
+{brain; mu, kPa, fit of shear; one cube} kPa) it is off by 12 to 75 % there. Choose E for the strain that matters, or
+another law.
 
 **Uncertainty.** The source gives means; specimens differ by tens of percent. Ours is a cube in a homogeneous strain:
 no mesh, no steps; the slope of the library's energy meets the closed form to 1e-5 (rows "mu 1 kPa").
 """, "brain", r"(tension|compression|shear) [0-9.]+|mu, kPa.*"),
     ("C. Cook's membrane, finite strain", "truth_convergence", """
-**Published.** Plane strain, mu 422.5 kPa, nu 0.3, a dead load of 1 N over the right side of a body 1 mm thick: the point
-(48, 52) mm moves up by 14.74 mm in the limit (deal.II code gallery, "Quasi-static finite-strain compressible
+**Published.** Plane strain, mu 422.5 kPa, nu 0.3, a dead load of 1 N over the right side of a body 1 mm thick: the
+point (48, 52) mm moves up by 14.74 mm in the limit (deal.II code gallery, "Quasi-static finite-strain compressible
 elasticity", which also gives bilinear elements by mesh: rows "elements"). Known to its last digit, 0.03 %.
 
 **Fitted.** Nothing. With 16 cells a side hexahedra are off by {%cook finite; limit; 16 a side} and tetrahedra by
-{%cook finite; limit; 16 a side, tetrahedra}; bilinear elements of that mesh by -1.7 %. The sides are straight and the corner
-on the left is singular: the error falls by a factor of 3 to 4 when the spacing is halved.
+{%cook finite; limit; 16 a side, tetrahedra}; bilinear elements of that mesh by -1.7 %. The sides are straight and the
+corner on the left is singular: the error falls by a factor of 3 to 4 when the spacing is halved.
 
-**Another law.** The publication's volume energy is kappa / 4 (J^2 - 1 - 2 ln J), ours kappa / 2 (J - 1)^2; the rest is
-the same. To first order the displacement under a load changes by minus the slope of the additional energy over the load, which is
-computed from our own rest shapes at 0.98 and 1.02 of it: with the publication's law hexahedra would be at
-{cook finite; with the other volume law; 32 a side} in place of {cook finite; limit; 32 a side} mm. The law makes 0.04 %; what is left is the mesh.
+**Another law.** The publication's volume energy is kappa / 4 (J^2 - 1 - 2 ln J), ours kappa / 2 (J - 1)^2; the rest
+is the same. To first order the displacement under a load changes by minus the slope of the additional energy over the
+load, which is computed from our own rest shapes at 0.98 and 1.02 of it: with the publication's law hexahedra would be
+at {cook finite; with the other volume law; 32 a side} in place of {cook finite; limit; 32 a side} mm. The law makes
+0.04 %; what is left is the mesh.
 """, "cook finite", ".*"),
     ("D. Cook's membrane, small strain", None, """
-**Published.** Plane stress, nu 1/3: u E t / F is 23.96 at (48, 60) (Cook, Malkus and Plesha 1989); itself from a fine mesh.
-**Fitted.** Nothing. Plane stress is a thin solid here, with one side held in its plane and the other free. Coarse bodies are too
-stiff: {%cook small; u E t / F; 8 a side}, {%cook small; u E t / F; 16 a side} and {%cook small; u E t / F; 32 a side} with 8, 16 and 32 hexahedra a side,
-{%cook small; u E t / F; 16 a side, tetrahedra} and {%cook small; u E t / F; 32 a side, tetrahedra} with 16 and 32 of tetrahedra: 2 % needs about 30 a side.
+**Published.** Plane stress, nu 1/3: u E t / F is 23.96 at (48, 60) (Cook, Malkus and Plesha 1989); itself from a fine
+mesh. **Fitted.** Nothing. Plane stress is a thin solid here, with one side held in its plane and the other free.
+Coarse bodies are too stiff: {%cook small; u E t / F; 8 a side}, {%cook small; u E t / F; 16 a side} and {%cook small;
+u E t / F; 32 a side} with 8, 16 and 32 hexahedra a side, {%cook small; u E t / F; 16 a side, tetrahedra} and {%cook
+small; u E t / F; 32 a side, tetrahedra} with 16 and 32 of tetrahedra: 2 % needs about 30 a side.
 """, "cook small", ".*"),
     ("E. Strip rolled up by an end moment", "truth_shapes", """
-**Closed form.** A moment t E I / L bends a strip into an arc: u / L = sin t / t - 1, v / L = (1 - cos t) / t. L is 40 heights,
-nu is 0. Dead loads cannot follow the end; its section is therefore turned by t and moved until it needs no force, and the moment
-that it needs is measured. "distance" is how far the end is from the closed form under the closed form's moment.
+**Closed form.** A moment t E I / L bends a strip into an arc: u / L = sin t / t - 1, v / L = (1 - cos t) / t. L is 40
+heights, nu is 0. Dead loads cannot follow the end; its section is therefore turned by t and moved until it needs no
+force, and the moment that it needs is measured. "distance" is how far the end is from the closed form under the
+closed form's moment.
 
-**Fitted.** Nothing. For its angle the end is right within 0.5 % of the length on every body. The moment is too large by
-{%roll-up; moment L / (t E I) at 1.00 pi; 2 across} with 2 cells across, {%roll-up; moment L / (t E I) at 1.00 pi; 4 across} with 4 and
-{%roll-up; moment L / (t E I) at 1.00 pi; 6 across} with 6: bending needs 6 cells across for 1 %.
+**Fitted.** Nothing. For its angle the end is right within 0.5 % of the length on every body. The moment is too large
+by {%roll-up; moment L / (t E I) at 1.00 pi; 2 across} with 2 cells across, {%roll-up; moment L / (t E I) at 1.00 pi;
+4 across} with 4 and {%roll-up; moment L / (t E I) at 1.00 pi; 6 across} with 6: bending needs 6 cells across for 1 %.
 
 **Not shown.** Strains are below 8 %; the closed form is for thin strips, and neglects the square of that.
 """, "roll-up", ".*"),
     ("F. Natural frequencies of a cantilever", None, """
-**Known.** 0.2 x 0.05 x 0.05 m, E 10 kPa, nu 0.3, 1,000 kg/m^3, by 20-node bricks (`python3 bench/reference/frequencies.py`): 8 cells across, and
-the limit of that sequence; the clamped edge is singular, so that they agree to 0.1 % only. Timoshenko's beam has no clamped section that
-cannot warp, and is no reference at this length.
+**Known.** 0.2 x 0.05 x 0.05 m, E 10 kPa, nu 0.3, 1,000 kg/m^3, by 20-node bricks (`python3
+bench/reference/frequencies.py`): 8 cells across, and the limit of that sequence; the clamped edge is singular, so
+that they agree to 0.1 % only. Timoshenko's beam has no clamped section that cannot warp, and is no reference at this
+length.
 
-**Ours.** The body is released in the shape of the mode, 0.05 mm out of rest. 25 periods of its motion on that shape give the
-frequency, by the maximum of their Fourier transform under Hann's window. **Fitted.** Nothing. Bodies are of hexahedra, and
-of unstructured tetrahedra. Halving the step makes 0.01 %.
+**Ours.** The body is released in the shape of the mode, 0.05 mm out of rest. 25 periods of its motion on that shape
+give the frequency, by the maximum of their Fourier transform under Hann's window. **Fitted.** Nothing. Bodies are of
+hexahedra, and of unstructured tetrahedra. Halving the step makes 0.01 %.
 """, "cantilever", ".*"),
     ("F. Wave in a bar", None, """
-**Closed form.** sqrt(E / density), 3.162 m/s; for nu above 0 the bar's own dispersion by Love's rod, whose lateral inertia slows a
-pulse of this length by up to 0.8 %: "known" has both ends. The pulse is three heights of the bar long (standard
-deviation), and is timed by the energy that passes two sections 0.6 m apart. **Fitted.** Nothing. A pulse half as long
-lags four times as much. A step of 0.9 is better than a short one, as the errors of
-Verlet's scheme and of the mesh have opposite signs.
+**Closed form.** sqrt(E / density), 3.162 m/s; for nu above 0 the bar's own dispersion by Love's rod, whose lateral
+inertia slows a pulse of this length by up to 0.8 %: "known" has both ends. The pulse is three heights of the bar long
+(standard deviation), and is timed by the energy that passes two sections 0.6 m apart. **Fitted.** Nothing. A pulse
+half as long lags four times as much. A step of 0.9 is better than a short one, as the errors of Verlet's scheme and
+of the mesh have opposite signs.
 """, "wave", ".*"),
     ("F. Thick sphere under inner pressure", None, """
-**Closed form.** Lame's, radii 20 and 40 mm, small pressure. An octant of three patches of hexahedra, held in its planes of symmetry. The rows
-are means over all particles of a surface, and the particle that is farthest off. **Fitted.** Nothing.
+**Closed form.** Lame's, radii 20 and 40 mm, small pressure. An octant of three patches of hexahedra, held in its
+planes of symmetry. The rows are means over all particles of a surface, and the particle that is farthest off.
+**Fitted.** Nothing.
 """, "sphere", ".*"),
     ("F. Torsion of a square bar: why it stopped at 2.5 %", None, """
 **Closed form.** Saint-Venant's 0.140577 G a^4 for a radian over the length; its sections warp freely along the bar.
 
-**Cause.** Where the ends are bonded, they cannot warp, and the bar is stiffer than Saint-Venant's for every mesh. This share is
-the same on lattices, tetrahedra and filled bodies, and halves when the length doubles: with 12 cells across the bonded bar is above the free one by 1.7 % of the torque
-at L / a = 2, and by 0.8 % at 4; with 8 across by 0.4 % at 8. A bar of L / a = 2 with bonded ends is {%torsion; bonded ends L / a 2; 12 across, lattice} off
-with 4,225 particles and tends to +1.7 %. With ends that turn but may warp the torque converges to the closed form:
-{%torsion; ends free to warp L / a 4; 4 across, lattice}, {%torsion; ends free to warp L / a 4; 6 across, lattice},
-{%torsion; ends free to warp L / a 4; 8 across, lattice} and {%torsion; ends free to warp L / a 4; 12 across, lattice} with 4, 6, 8 and
-12 cells across, an order of 2.4. Coarse bodies are too stiff in torsion: the stabiliser is calibrated in bending alone.
+**Cause.** Where the ends are bonded, they cannot warp, and the bar is stiffer than Saint-Venant's for every mesh.
+This share is the same on lattices, tetrahedra and filled bodies, and halves when the length doubles: with 12 cells
+across the bonded bar is above the free one by 1.7 % of the torque at L / a = 2, and by 0.8 % at 4; with 8 across by
+0.4 % at 8. A bar of L / a = 2 with bonded ends is {%torsion; bonded ends L / a 2; 12 across, lattice} off with 4,225
+particles and tends to +1.7 %. With ends that turn but may warp the torque converges to the closed form: {%torsion;
+ends free to warp L / a 4; 4 across, lattice}, {%torsion; ends free to warp L / a 4; 6 across, lattice}, {%torsion;
+ends free to warp L / a 4; 8 across, lattice} and {%torsion; ends free to warp L / a 4; 12 across, lattice} with 4, 6,
+8 and 12 cells across, an order of 2.4. Coarse bodies are too stiff in torsion: the stabiliser is calibrated in
+bending alone.
 
-The first trial's bar (+2.5 % at 8,916 particles) is not kept; that its ends were bonded is the explanation that fits, not a record.
+The first trial's bar (+2.5 % at 8,916 particles) is not kept; that its ends were bonded is the explanation that fits,
+not a record.
 """, "torsion", ".*"),
     ("G. Truth Cube: no validation", None, """
-**Measured.** A cube of 80 mm of RTV6166, 30 : 70, bonded to its base: 798 N/m by indentation, with a standard deviation of
-4.4 % ([Truth Cube](http://biorobotics.harvard.edu/truthcube/truthcube.html); Kerdok et al. 2003). A ball of 25.4 mm was used in its tests.
+**Measured.** A cube of 80 mm of RTV6166, 30 : 70, bonded to its base: 798 N/m by indentation, with a standard
+deviation of 4.4 % ([Truth Cube](http://biorobotics.harvard.edu/truthcube/truthcube.html); Kerdok et al. 2003). A ball
+of 25.4 mm was used in its tests.
 
-**Neither modulus nor depth is given there**, so that the stiffness predicts nothing by itself. What can be said: if 798 N/m was the
-slope of the force under the ball at a depth, E was as in the table (nu 0.49, frictionless, an error of 4.4 % of E from the
-measurement alone). The slope grows by a factor of 2.5 from 1.5 to 17.5 mm. Near the first touch the contact is one cell wide, and the mesh
-makes 5 %; from 9.5 mm on, 1 to 2 % from 12 to 16 cells a side. With a modulus from another test, or with the bead displacements
-of the compression tests, this case would be a validation.
+**Neither modulus nor depth is given there**, so that the stiffness predicts nothing by itself. What can be said: if
+798 N/m was the slope of the force under the ball at a depth, E was as in the table (nu 0.49, frictionless, an error
+of 4.4 % of E from the measurement alone). The slope grows by a factor of 2.5 from 1.5 to 17.5 mm. Near the first
+touch the contact is one cell wide, and the mesh makes 5 %; from 9.5 mm on, 1 to 2 % from 12 to 16 cells a side. With
+a modulus from another test, or with the bead displacements of the compression tests, this case would be a validation.
 """, "truth cube", ".*"),
 ]
 
@@ -184,5 +197,6 @@ LAST = """
 ## What this page does not show
 
 Contacts and friction between bodies, needles, cuts, live tissue, perfusion, bodies from images: they are verified
-([claims](claims.md)), not measured against experiments. The only measured bodies are A, B and G; A is the only prediction.
+([claims](claims.md)), not measured against experiments. The only measured bodies are A, B and G; A is the only
+prediction.
 """

@@ -2,11 +2,15 @@
 """Reads the six recordings of the silicone beam: where the figures of measured.csv that begin with "beam" come from.
 
     python3 silicone_beam.py FOLDER        (Debian: python3-numpy; git)
+    python3 silicone_beam.py FOLDER --points ../../examples/studies/silicone_points.csv
 
 FOLDER: a clone of https://github.com/srl-ethz/diffPD_sim2real. For each recording prints how far the three marks on
 the free end have come down, mm, along the vertical of the recording and, in brackets, along that of the beam, whose
 frame is fitted to the six markers in the first frames; the largest distance of a marker from its nominal place after
 that fit, mm; how far the markers beside the clamp move, mm; and without a load the mean period of eight swings, s.
+--points writes what examples/studies/silicone_beam.study reads: places and displacements of the three marks under the
+heaviest load, m, means of the two recordings, along the beam, across it and up. The top mark is brought from its
+marker, 6 mm above, to the surface, by the angle that the other marks have turned.
 """
 import argparse
 import struct
@@ -40,7 +44,9 @@ def fitted(places):
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
 parser.add_argument("folder")
-folder = parser.parse_args().folder
+parser.add_argument("--points", help="file to write")
+given = parser.parse_args()
+folder, heaviest = given.folder, []
 for name in NAMES:
     at = read(subprocess.run(["git", "-C", folder, "show", f"HEAD:{PATH}{name}.c3d"], check=True,
                              capture_output=True).stdout)
@@ -56,3 +62,13 @@ for name in NAMES:
           f"off {1e3 * np.linalg.norm(first @ turn.T + shift - NOMINAL, axis=1).max():.1f},",
           f"clamp {np.linalg.norm(moved[3:], axis=1).max():.2f}" +
           (f", period {(down[swings] - down[0]) / RATE / swings:.4f}" if "gravity" in name else ""))
+    if "101" in name:
+        heaviest.append((last - first)[:3, ::-1] * (1, -1, 1))
+if given.points:
+    moved = np.mean(heaviest, axis=0)
+    angle = np.arcsin((moved[0, 0] - moved[2, 0]) / 0.030)
+    moved[0] -= 0.006 * np.array([np.sin(angle), 0, np.cos(angle) - 1])
+    with open(given.points, "w", encoding="utf-8") as file:
+        file.write("x,y,z,ux,uy,uz\n")
+        for place, u in zip(("0.1,0.015,0.03", "0.1,0,0.024", "0.1,0.03,0.006"), moved):
+            file.write(place + "".join(f",{c:.6f}" for c in u) + "\n")

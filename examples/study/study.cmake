@@ -52,6 +52,10 @@ add_test(NAME example.phymul_study_killed
          COMMAND sh ${CMAKE_CURRENT_LIST_DIR}/kill_test.sh $<TARGET_FILE:phymul-study>
                  ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_out/killed.study
                  ${CMAKE_CURRENT_BINARY_DIR}/phymul_study_killed)
+add_test(NAME example.phymul_study_silicone  # a measured body: docs/guide/studies.md
+         COMMAND phymul-study ${PROJECT_SOURCE_DIR}/examples/studies/silicone_beam.study
+                 --out ${CMAKE_CURRENT_BINARY_DIR}/silicone_out)
+set_tests_properties(example.phymul_study_silicone PROPERTIES PASS_REGULAR_EXPRESSION "silicone = 2[.]7[01]")
 set_tests_properties(example.phymul_study PROPERTIES FIXTURES_SETUP studies
                                                      ENVIRONMENT "${mpi_environment}"
                                                      SKIP_REGULAR_EXPRESSION "MPI NOT TESTED")
