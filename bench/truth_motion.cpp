@@ -60,7 +60,7 @@ void beam_period(TruthTable& table, bool quick) {
         State state;
         const int every = std::max(1, static_cast<int>(1e-3 / dt));
         for (double t = 0; t < 0.9; t += every * dt) {
-          if (!sim.solver().step(every, dt).ok()) throw Error("beam period: a step failed");
+          if (!sim.unrecorded_solver().step(every, dt).ok()) throw Error("beam period: a step failed");
           sim.solver().read(state);
           y.push_back(mark.deform(state.position)[0].z() - 0.03);
           if (across == 6 && share == 0.9) table.curve("beam period", law.name, t + every * dt, 1e3 * y.back());
@@ -138,11 +138,11 @@ void cantilever(TruthTable& table, bool quick) {
             state.position[i] += 1e-3 * height * shape[i];
           }
           const double dt = share * sim.solver().stable_step();
-          sim.solver().start(state, dt);
+          sim.unrecorded_solver().start(state, dt);
           std::vector<double> signal;
           const int every = std::max(1, static_cast<int>(0.05 / known.mean() / dt));
           for (double t = 0; t < 25 / known.mean(); t += every * dt) {
-            if (!sim.solver().step(every, dt).ok()) throw Error("cantilever: a step failed");
+            if (!sim.unrecorded_solver().step(every, dt).ok()) throw Error("cantilever: a step failed");
             sim.solver().read(state);
             double sum = 0.0;
             for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -182,7 +182,7 @@ void wave(TruthTable& table, bool quick) {
           state.velocity[i] = -speed * (Vec3(strain, 0, 0) - nu * change * across_axis);
         }
         const double dt = share * sim.solver().stable_step();
-        sim.solver().start(state, dt);
+        sim.unrecorded_solver().start(state, dt);
         // When the energy of its motion passes two sections, on average.
         const double stations[] = {1.1, 1.7};
         double weight[2] = {}, moment[2] = {};
@@ -191,7 +191,7 @@ void wave(TruthTable& table, bool quick) {
           sections[k] = model.particles_in([&](const Vec3& x) { return std::abs(x.x() - stations[k]) < 1e-6; });
         }
         for (double t = dt; t < 0.55; t += dt) {
-          if (!sim.solver().step(1, dt).ok()) throw Error("wave: a step failed");
+          if (!sim.unrecorded_solver().step(1, dt).ok()) throw Error("wave: a step failed");
           sim.solver().read(state);
           for (const int k : {0, 1}) {
             double v = 0.0;

@@ -198,8 +198,6 @@ class SolverBackend : public Solver {
   std::optional<bool> all_held_;          // of the scene of these versions; empty: not yet looked for
   mutable double growth_of_state_ = 0.0;  // where growth_ is 0; 0: not yet computed
   mutable std::optional<std::uint64_t> topology_hash_;
-  mutable std::shared_ptr<const SceneParts> parts_;  // of the scene of this version, for snapshots
-  mutable std::uint64_t parts_version_ = 0;
   // Of the restored snapshot, until a step is done or reset() called; by SceneTool::id and SceneJoint::id.
   std::map<std::uint64_t, ToolReport> tools_before_;
   std::map<std::uint64_t, JointReport> joints_before_;

@@ -172,18 +172,23 @@ const JointReport& SolverBackend::joint_report_at(std::size_t row) const {
   return before != joints_before_.end() ? before->second : joints_->report(scene_->joints()[row]);
 }
 
+/// All of them or, where memory runs out, none.
 void SolverBackend::bring_back_reports(const Snapshot& snapshot) {
   tools_before_.clear();
   joints_before_.clear();
   if (!snapshot.scene) return;
+  std::map<std::uint64_t, ToolReport> tools;
+  std::map<std::uint64_t, JointReport> joints;
   for (std::size_t row = 0; row < snapshot.tools.size(); ++row) {
-    ToolReport& report = tools_before_[scene_->tools()[row].id] = do_tool_report(row);
+    ToolReport& report = tools[scene_->tools()[row].id] = do_tool_report(row);
     report.last_pose = snapshot.tools[row].last_pose;
     report.force = snapshot.tools[row].force;
   }
   for (std::size_t row = 0; row < snapshot.joints.size(); ++row) {
-    joints_before_[scene_->joints()[row].id] = snapshot.joints[row];
+    joints[scene_->joints()[row].id] = snapshot.joints[row];
   }
+  tools_before_ = std::move(tools);
+  joints_before_ = std::move(joints);
 }
 
 /// Eigenvalues of sums are at most the sums of the largest (Weyl).
@@ -253,10 +258,7 @@ Snapshot SolverBackend::snapshot() const {
   snapshot.topology_hash = topology_hash();
   snapshot.backend = name_;
   if (!scene_->tools().empty() && !takes_tools()) return snapshot;
-  const std::uint64_t version = scene_->version() + scene_->values_version();
-  if (!parts_ || parts_version_ != version) parts_ = std::make_shared<const SceneParts>(scene_->parts());
-  parts_version_ = version;
-  snapshot.scene = parts_;
+  snapshot.scene = std::make_shared<const SceneParts>(scene_->parts());
   for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
     const ToolReport& report = tool_report(row);
     snapshot.tools.push_back({scene_->tools()[row].pose, report.last_pose, report.force});

@@ -192,7 +192,8 @@ TEST(FailingAllocation, WhileASolverStepsAndIsSaved) {
       EXPECT_TRUE(solver->snapshot() == end);
     });
     EXPECT_GT(fail_each([&] { solver->snapshot(); }), 2);
-    EXPECT_GT(fail_each([&] { Recorder(*solver, scene).step(1, dt); }), 3);
+    // What the recorder's restore brought back of reports stays until a step is done.
+    EXPECT_GT(fail_each([&] { Recorder(*solver, scene).step(1, dt); }, [&] { solver->step(1, dt); }), 3);
   }
 }
 
