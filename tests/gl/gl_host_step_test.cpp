@@ -228,7 +228,7 @@ TEST_P(GlHostStep, WithheldForcesAreBorne) {
   EXPECT_TRUE(clamped) << "or this shows nothing";
 }
 
-/// What a jaw holds it goes on to hold where a needle makes it act on the host, and where that is gone again.
+/// A jaw keeps what it holds when a needle comes, so that both act on the host, and when the needle goes.
 TEST_P(GlHostStep, AToolGoesOnWhereItActsElsewhere) {
   Scene scene = Scene(model_).fix("z0");
   const ToolPose at{.position = {0.015, 0.01, 0.021}};

@@ -262,7 +262,8 @@ TEST(AveragedBody, CantileversOfAnyCellsBendAsTheyShould) {
         std::tuple{"tetrahedra, 4 : 1", with_material(make_tetrahedral_block({L, H, H}, 4, 4, 4, 0.2, 1)), 0.62},
         std::tuple{"hexahedra, 4 : 1", with_material(make_block({L, H, H}, 4, 4, 4)), 0.57},
         std::tuple{"hexahedra, one layer", with_material(make_block({L, H, H}, 16, 4, 1)), 1.48},
-        std::tuple{"tetrahedra, one layer", with_material(make_tetrahedral_block({L, H, H}, 16, 4, 1, 0.2, 1)), 1.12}}) {
+        std::tuple{"tetrahedra, one layer", with_material(make_tetrahedral_block({L, H, H}, 16, 4, 1, 0.2, 1)),
+                   1.12}}) {
     Scene scene = Scene(model).fix("x0").gravity({0, 0, -g});
     const auto solver = make_solver("cpu", model, scene, {.law = averaged_law}, damped(8.0));
     ASSERT_TRUE(solver->run_to_rest(20000, 0.5 * solver->stable_step()).converged()) << name;

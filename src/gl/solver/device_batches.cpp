@@ -44,16 +44,6 @@ void DeviceSolver::begin_joints() {
   joints_told_ = true;
 }
 
-/// Takes over what so many steps did to joints and tools.
-void DeviceSolver::accept_motion(int steps, double dt) {
-  joint_sums_.assign(scene().tools().size(), {});
-  if (!joints().empty()) {
-    joints().take(told_joints(device_->read_joints()), joint_sums_);
-    joints().accept();
-  }
-  if (!tools_.empty()) tools_.accept(steps, dt, device_->tool_sums(), joints().pulls(), joint_sums_);
-}
-
 SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
   if (!host_) begin_tools(plan);
   begin_joints();
@@ -90,6 +80,46 @@ StepConstants DeviceSolver::constants_of(const StepPlan& plan) const {
           .acceleration_at_rest = rest.acceleration};
 }
 
+/// After run(count): which of its steps count, and takes over what they did, but to tools.
+DeviceSolver::BatchEnd DeviceSolver::end_batch(const StepPlan& plan, int count, Motion& motion) {
+  BatchReport report = device_->report();
+  BatchEnd end{.first = report};
+  // A volume that cannot be restored comes before what runs away with it in the same step.
+  end.loses = report.lost_step > 0 && (report.runaway_step == 0 || report.lost_step <= report.runaway_step);
+  end.failed_at = end.loses ? report.lost_step : report.runaway_step;
+  end.good = end.failed_at > 0 ? end.failed_at - 1 : count;
+  const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
+  const int quiet = report.first_unquiet > 0 ? std::min(report.first_unquiet - 1, end.good) : end.good;
+  end.rests = plan.stop_at_rest && quiet >= until_rest;
+  if (end.rests) end.good = until_rest;
+  if (end.good < count) {
+    device_->run(end.good);
+    if (end.good > 0) report = device_->report();
+  }
+  if (end.good == 0) return end;
+  take_over(plan, end.good, report, motion);
+  motion.steps += end.good;
+  motion.steps_at_rest = report.last_unquiet > 0 ? end.good - report.last_unquiet : motion.steps_at_rest + end.good;
+  progress_.steps_at_rest = motion.steps_at_rest;
+  return end;
+}
+
+/// Of steps that count.
+void DeviceSolver::take_over(const StepPlan& plan, int steps, const BatchReport& report, Motion& motion) {
+  joint_sums_.assign(scene().tools().size(), {});
+  if (!joints().empty()) {
+    joints().take(told_joints(device_->read_joints()), joint_sums_);
+    joints().accept();
+  }
+  motion.force_clamped = motion.force_clamped || report.cut;
+  motion.max_speed = report.max_speed;
+  motion.max_acceleration = report.max_acceleration;
+  motion.max_force = report.max_force;
+  progress_.largest_displacement = report.max_displacement;
+  for (int k = 0; k < steps; ++k) progress_.time += plan.dt;
+  progress_.last_dt = plan.dt;
+}
+
 /// False where the motion ends with this batch: a failure, or rest.
 bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   instants_.assign(1, progress_.time);
@@ -97,43 +127,20 @@ bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
   device_->begin_batch(constants_of(plan), instants_, tools_);
   device_->run(count);
-  BatchReport report = device_->report();
-  const BatchReport first = report;
-  // A volume that cannot be restored comes before what runs away with it in the same step.
-  const bool loses = first.lost_step > 0 && (first.runaway_step == 0 || first.lost_step <= first.runaway_step);
-  const int failed_at = loses ? first.lost_step : first.runaway_step;
-  int good = failed_at > 0 ? failed_at - 1 : count;
-
-  const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
-  const int quiet = first.first_unquiet > 0 ? std::min(first.first_unquiet - 1, good) : good;
-  const bool rests = plan.stop_at_rest && quiet >= until_rest;
-  if (rests) good = until_rest;
-  if (good < count) {
-    device_->run(good);
-    if (good > 0) report = device_->report();
+  const BatchEnd end = end_batch(plan, count, motion);
+  if (end.good > 0 && !tools_.empty()) {
+    tools_.accept(end.good, plan.dt, device_->tool_sums(), joints().pulls(), joint_sums_);
   }
-  if (good > 0) {
-    motion.force_clamped = motion.force_clamped || report.cut;
-    motion.steps_at_rest = report.last_unquiet > 0 ? good - report.last_unquiet : motion.steps_at_rest + good;
-    motion.max_speed = report.max_speed;
-    motion.max_acceleration = report.max_acceleration;
-    motion.max_force = report.max_force;
-    progress_.largest_displacement = report.max_displacement;
-    accept_motion(good, plan.dt);
-  }
-  motion.steps += good;
-  for (int k = 0; k < good; ++k) progress_.time += plan.dt;
-  if (good > 0) progress_.last_dt = plan.dt;
-  if (rests || failed_at == 0) return !rests;
-  if (loses) {
-    motion.lost_volume = first.lost_volume;
+  if (end.rests || end.failed_at == 0) return !end.rests;
+  if (end.loses) {
+    motion.lost_volume = end.first.lost_volume;
     return false;
   }
   // The forces that the step after the last good one began with, which are those of the state that is kept.
-  const BatchReport failed = device_->try_step(good + 1);
+  const BatchReport failed = device_->try_step(end.good + 1);
   motion.max_acceleration = failed.max_acceleration;
   motion.max_force = failed.max_force;
-  motion.bad_particle = first.particle;
+  motion.bad_particle = end.first.particle;
   return false;
 }
 

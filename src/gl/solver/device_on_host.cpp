@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 
-#include "device/float_joints.h"
 #include "device_solver.h"
 #include "solver/step_order.h"
 
@@ -65,40 +64,11 @@ bool DeviceSolver::pass_on_host(const StepPlan& plan, int steps, Motion& motion)
   constants.runaway_speed = std::min(fastest, plan.runaway_speed);
   device_->begin_batch(constants, instants_, tools_);
   device_->run(steps);
-  BatchReport report = device_->report();
-  int good = report.runaway_step > 0 ? report.runaway_step - 1 : steps;
-  const int until_rest = std::max(plan.rest_steps - motion.steps_at_rest, 1);
-  const int quiet = report.first_unquiet > 0 ? std::min(report.first_unquiet - 1, good) : good;
-  const bool rests = plan.stop_at_rest && quiet >= until_rest;
-  if (rests) good = until_rest;
-  if (good < steps) {
-    device_->run(good);
-    if (good > 0) report = device_->report();
-  }
-  if (good == 0) return true;
-  host_->step.accept(good * fastest * plan.dt);
-  take_over(plan, good, report, motion);
-  motion.steps += good;
-  motion.steps_at_rest = report.last_unquiet > 0 ? good - report.last_unquiet : motion.steps_at_rest + good;
-  progress_.steps_at_rest = motion.steps_at_rest;
-  host_->tools.pass(good, plan.dt, joints().pulls(), joint_sums_);
-  return !rests;
-}
-
-/// After steps that count.
-void DeviceSolver::take_over(const StepPlan& plan, int steps, const BatchReport& report, Motion& motion) {
-  joint_sums_.assign(scene().tools().size(), {});
-  if (!joints().empty()) {
-    joints().take(told_joints(device_->read_joints()), joint_sums_);
-    joints().accept();
-  }
-  motion.force_clamped = motion.force_clamped || report.cut;
-  motion.max_speed = report.max_speed;
-  motion.max_acceleration = report.max_acceleration;
-  motion.max_force = report.max_force;
-  progress_.largest_displacement = report.max_displacement;
-  for (int k = 0; k < steps; ++k) progress_.time += plan.dt;
-  progress_.last_dt = plan.dt;
+  const BatchEnd end = end_batch(plan, steps, motion);
+  if (end.good == 0) return true;
+  host_->step.accept(end.good * fastest * plan.dt);
+  host_->tools.pass(end.good, plan.dt, joints().pulls(), joint_sums_);
+  return !end.rests;
 }
 
 // Stages of StepOrder: the device executes what comes before touch() as one.

@@ -69,11 +69,16 @@ class DeviceSolver final : public SolverBackend {
   void read_tools(State& state) const { host_ ? host_->tools.read(state) : tools_.read(state); }
   StrainMemory strains() const;
   void begin_joints();
-  void accept_motion(int steps, double dt);
   static Motion lost_motion();
   void begin_tools(const StepPlan& plan);
   Motion run_batches(const StepPlan& plan);
   bool run_batch(const StepPlan& plan, int count, Motion& motion);
+  struct BatchEnd {
+    BatchReport first;                  // of all its steps
+    int good = 0, failed_at = 0;        // steps that count; the first that failed, 0: none
+    bool rests = false, loses = false;  // the body after the good ones; a volume, in the failed one
+  };
+  BatchEnd end_batch(const StepPlan& plan, int count, Motion& motion);
   Motion run_on_host(const StepPlan& plan);
   void begin_tools_on_host(int steps, double dt);
   int steps_out_of_reach(const StepPlan& plan, int remaining);
