@@ -168,9 +168,9 @@ planes of symmetry. The rows are means over all particles of a surface, and the 
 **Closed form.** Saint-Venant's 0.140577 G a^4 for a radian over the length; its sections warp freely along the bar.
 
 **Cause, as far as it shows.** Where the ends are bonded, they cannot warp, and the bar is stiffer than Saint-Venant's
-for every mesh. This share is the same on lattices and tetrahedra (smaller on bodies of `make_body`, which round the
-edges: 0.6 % at L / a = 4), and halves when the length doubles: with 12 cells across the bonded bar is above the free one by 1.7 % of the torque at L / a = 2, and by 0.8 % at 4; with 8 across by
-0.4 % at 8. A bar of L / a = 2 with bonded ends is {%torsion; bonded ends L / a 2; 12 across, lattice} off with 4,225
+for every mesh. The difference is equal on lattices and tetrahedra, smaller on bodies of `make_body` (0.6 % at
+L / a = 4), and halves when the length doubles: with 12 cells across the bonded bar is above the free one by 1.7 % of
+the torque at L / a = 2, and by 0.8 % at 4; with 8 across by 0.4 % at 8. A bar of L / a = 2 with bonded ends is {%torsion; bonded ends L / a 2; 12 across, lattice} off with 4,225
 particles and tends to +1.7 %. With ends that turn but may warp the torque converges to the closed form: {%torsion;
 ends free to warp L / a 4; 4 across, lattice}, {%torsion; ends free to warp L / a 4; 6 across, lattice}, {%torsion;
 ends free to warp L / a 4; 8 across, lattice} and {%torsion; ends free to warp L / a 4; 12 across, lattice} with 4, 6,

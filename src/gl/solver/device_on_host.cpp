@@ -66,7 +66,7 @@ bool DeviceSolver::pass_on_host(const StepPlan& plan, int steps, Motion& motion)
   device_->run(steps);
   const BatchEnd end = end_batch(plan, steps, motion);
   if (end.good == 0) return true;
-  host_->step.accept(end.good * fastest * plan.dt);
+  host_->step.accept(end.good * fastest * plan.dt, end.good);
   host_->tools.pass(end.good, plan.dt, joints().pulls(), joint_sums_);
   return !end.rests;
 }

@@ -31,8 +31,8 @@ class DeviceStep final : public PredictedStep {
   void begin(Device& device, double dt, double largest_displacement);
   void close();                     ///< with what has been added
   void drop() { pushes_.clear(); }  ///< instead: the step is not done
-  /// The step counts. `longest_way`: m, no particle has gone farther in it.
-  void accept(double longest_way) { gone_ += longest_way + rounding_; }
+  /// So many steps count. `longest_way`: m, no particle has gone farther in them.
+  void accept(double longest_way, int steps = 1) { gone_ += longest_way + steps * rounding_; }
 
   Vec3 position(Index i) const override;
   Vec3 predicted_velocity(Index i) const override;
