@@ -67,6 +67,7 @@ class SolverBackend : public Solver {
   ParticleBuffer position_buffer() const final { return do_position_buffer(); }
   ParticleBuffer attractor_buffer() const final;
   std::vector<PassProfile> profile() const final;
+  void body_changed() final;
   void clear_profile() final;
 
  protected:
@@ -136,6 +137,9 @@ class SolverBackend : public Solver {
   /// Only values have changed: Scene::mode_values() of the same modes, constants of joints, or stiffness_factors().
   /// Must not allocate. Must set the count of steps at rest to 0.
   virtual void do_values_changed() { do_scene_changed(); }
+  /// The tables of these domains changed, and the masses of their particles; do_scene_changed() comes next. The default
+  /// throws Error.
+  virtual void do_body_changed(std::span<const Index> domains);
   virtual Motion do_step(const StepPlan& plan) = 0;
   virtual void do_read(State& state) const = 0;
   virtual Energy do_energy() const = 0;
@@ -167,11 +171,13 @@ class SolverBackend : public Solver {
   double step_limit(const Damping& damping) const;  // s
   double stiffness_factor() const;                  // by which the scene's raise the spectrum at most
   Spectrum spectrum() const;                        // a bound, of materials as stiff as the scene makes them
+  State without_removed(State state) const;
   void require_fitting(const State& state) const;
   void require_supported() const;
   void require_idle(const char* what) const;
   void follow_scene();
   void follow_joints();
+  void take_spectrum();
   double energy_of_larger_masses(const State& state, const VecList& next, double dt,
                                  const std::vector<std::uint8_t>& fixed) const;
   bool any_tool_grasps() const;
@@ -206,6 +212,8 @@ class SolverBackend : public Solver {
   std::unique_ptr<StiffJoints> stiff_joints_;
   int steps_a_slice_ = 1;                     // between two looks at the clock, if progress is asked for
   Spectrum own_spectrum_;                     // of the model's own stiffness
+  std::size_t edits_seen_ = 0;                // of TopologyTextures::edited
+  double largest_before_edits_ = 0.0;         // own_spectrum_.largest
   double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of it and of its dissipation, over the masses: 1/s^2, 1/s
   std::unique_ptr<ScaledTables> scaled_;
   std::unique_ptr<const LocalSteps> local_steps_;

@@ -49,6 +49,9 @@ struct Cell {
   std::string name{};
   std::vector<Attribute> attributes{};
   std::optional<Colour> colour{};
+  /// Of its rest volume, filled by tissue: 1, or 0 once Simulation::remove_cells has removed it. A removed cell keeps
+  /// its row, and is in no volume, mass, surface or law.
+  double share = 1.0;
   bool operator==(const Cell&) const = default;
 };
 
@@ -99,8 +102,9 @@ struct Model {
   std::string name;
   int dimension = 3;  ///< 3, or 2: particles in the plane z = 0
 
-  VecList rest;                   ///< [N] rest positions, m
-  std::vector<double> mass;       ///< [N] kg, > 0; overwritten by set_material
+  VecList rest;  ///< [N] rest positions, m
+  /// [N] kg, > 0, or 0 where all cells around a particle are removed; overwritten by set_material.
+  std::vector<double> mass;
   std::vector<double> stiffness;  ///< [N] shape stiffness k_i, N/m; unused if there are materials
   RaggedList neighbours;          ///< [N rows] neighbours of each particle, in order, without itself
 
@@ -170,8 +174,8 @@ double mean_spacing(const Model& model);
 double body_size(const Model& model);
 
 /// Throws Error for the first fault. A valid model has a particle, arrays of equal sizes, indices in range, positive
-/// finite masses, finite coordinates (z = 0 in 2-D) and no negative stiffness. All readers, builders and make_solver
-/// call it.
+/// finite masses (0 where all cells around are removed), finite coordinates (z = 0 in 2-D) and no negative stiffness.
+/// All readers, builders and make_solver call it.
 void validate(const Model& model);
 
 /// Neighbours along the edges of cells, in increasing order. Throws Error if a cell has too few particles or one out of

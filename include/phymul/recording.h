@@ -70,6 +70,9 @@ class Recorder {
   void reset(const State& state);
   void restore(const Snapshot& snapshot);
 
+  /// Records which cells of the body are the removed ones from now on, after Solver::body_changed().
+  void set_removed_cells(std::span<const Index> removed);
+
   /// Records an input of the application, which Replay passes to Replay::on_note. Throws Error unless `kind` has four
   /// printable ASCII characters and is not a kind of the library.
   void note(std::string_view kind, std::string bytes);
@@ -116,6 +119,9 @@ class Replay {
   /// allowed. Throws Error for a position after the end.
   void skip_to(std::uint64_t position);
 
+  /// Makes these rows of Model::cells, and no others, the removed ones (Simulation does so). Empty: a recording that
+  /// removes cells throws Error.
+  std::function<void(std::span<const Index>)> on_removed_cells;
   std::function<void(const Input&)> on_note;  ///< receives the application's own inputs; empty: they are skipped
 
  private:
@@ -123,6 +129,7 @@ class Replay {
   void move_tool(const Input& input);
   void follow_checkpoint(const Input& input) const;
   void start_scene();
+  void make_removed(std::span<const Index> cells);
   void advance();  // position_ by one
 
   Recording recording_;

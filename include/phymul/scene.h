@@ -228,11 +228,19 @@ class Scene {
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
   const std::vector<VolumeConstraint>& volume_constraints() const { return volume_constraints_; }
+  /// Whether a triangle of this volume constraint is no longer at a cell (body_changed()): then its volume is not kept.
+  bool any_volume_open() const;
+  bool is_open(std::size_t volume) const { return volume < open_volumes_.size() && open_volumes_[volume] != 0; }
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
   /// Counts all changes except those that values_version() counts and those by a ToolHandle (SceneTool counts these).
   /// A solver that finds a new value calls prepare() again.
+  /// Says that cells of the model were removed or brought back (Simulation::remove_cells calls it): what depends on
+  /// surface and masses follows. Particles without mass stay at their rest places, nothing touches or pulls them, and
+  /// springs of joints that end at one are broken.
+  void body_changed();
+  std::uint64_t body_version() const { return body_version_; }  ///< counts its calls
   std::uint64_t version() const { return version_; }
   /// Counts calls of set_events(), of JointHandle, and of scale_stiffness() unless all factors were or become 1.
   std::uint64_t values_version() const { return values_version_; }
@@ -257,6 +265,8 @@ class Scene {
   };
 
   void set_factors(std::vector<double> factors);
+  void find_removed();
+  void find_open_volumes();
   void require(const Load& load) const;
   Action accepted(Load& load) const;
   Action prepared(const Load& load) const;
@@ -281,6 +291,10 @@ class Scene {
   std::vector<SceneJoint> joints_;
   std::uint64_t next_tool_ = 1, next_joint_ = 1;
   std::uint64_t version_ = 0, values_version_ = 0;
+  // Of body_changed():
+  std::uint64_t body_version_ = 0;
+  std::vector<Index> removed_;      // particles without mass
+  std::vector<char> open_volumes_;  // per volume constraint there was
 };
 
 }  // namespace phymul

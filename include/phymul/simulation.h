@@ -86,6 +86,19 @@ class Simulation {
   /// the motion. The state's time advances as in every step.
   RestResult run_to_rest(int max_steps = 200'000);
 
+  /// Removes cells (rows of Model::cells) of a body with materials, at a cost that follows their number: what is left
+  /// is the body that build_topology() would make of the other cells, but for rounding, and keeps its motion. Numbers
+  /// of particles and cells stay. A particle loses mass in proportion to its cells, save what it needs so as not to
+  /// vibrate faster than the body did (at most its own); one without a cell has none and goes to its rest place, where
+  /// nothing touches it. Surfaces, contacts, loads on surfaces, tools and joints follow: springs that end at a particle
+  /// without a cell are broken, and a kept volume whose surface has lost a cell is no longer kept. Skins and what was
+  /// asked for before (surface_triangles) do not follow. restore() and rewind() bring cells back. Looks at the whole
+  /// body once, at the first call. Throws Error, and removes nothing, for a row out of range or of a cell without
+  /// material, if nothing of the body would be left, and (not_supported) for a body without cells or material, with
+  /// SolverOptions::max_substeps above 1, and for backends that are not phymul's.
+  void remove_cells(std::span<const Index> cells);
+  const std::vector<Index>& removed_cells() const;  ///< ascending
+
   /// Finds the rest shape under the loads of the present time, without steps: Newton's method on the energy, whose
   /// linear systems are solved by conjugate gradients with multigrid (docs/theory/physics.md). At small loads the
   /// number of evaluations does not grow with the body. Begins at the present state or at the rest shape, whichever has

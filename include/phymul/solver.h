@@ -151,6 +151,10 @@ class Solver {
   virtual ParticleBuffer position_buffer() const = 0;
   virtual ParticleBuffer attractor_buffer() const = 0;  ///< empty if the law has no attractors
 
+  /// Follows an edit of the tables (TopologyTextures::edited) and of the scene's model, after Scene::body_changed().
+  /// The state stays; particles without mass go to their rest places. Throws Error for a backend that cannot.
+  virtual void body_changed() = 0;
+
   /// Times since the solver was made or clear_profile() was called, in the order of first use. Empty unless
   /// SolverOptions::profile is set. GL backends wait for the device.
   virtual std::vector<PassProfile> profile() const = 0;

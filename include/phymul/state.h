@@ -76,6 +76,7 @@ struct Snapshot {
   std::shared_ptr<const SceneParts> scene;
   std::vector<ToolMemory> tools;    ///< of scene->tools
   std::vector<JointReport> joints;  ///< of scene->joints
+  std::vector<Index> removed_cells;  ///< TopologyTextures::removed
   /// Solver::topology_hash() of the solver it was taken from. 0: unknown, and Solver::restore() does not check it.
   std::uint64_t topology_hash = 0;
   std::string backend;  ///< Solver::name() of that solver; empty: unknown
@@ -83,7 +84,7 @@ struct Snapshot {
 inline bool operator==(const Snapshot& a, const Snapshot& b) {
   const auto members = [](const Snapshot& of) {
     return std::tie(of.state, of.last_dt, of.steps_at_rest, of.growth, of.max_speed, of.displacement, of.parts,
-                    of.tools, of.joints, of.topology_hash, of.backend);
+                    of.tools, of.removed_cells, of.joints, of.topology_hash, of.backend);
   };
   return members(a) == members(b) && (a.scene && b.scene ? *a.scene == *b.scene : a.scene == b.scene);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// TopologyTextures: the constants of an elastic body, in the tables that every backend reads. They do not change once
-// built. Notation: topology.h.
+// TopologyTextures: the constants of an elastic body, in the tables that every backend reads. Once built they change by
+// edits alone. Notation: topology.h.
 //
 // The first four are those of the 2007 thesis:
 //   index       per particle: Nc, X, Bc, X' = number of neighbours, row of the first in `neighbours`,
@@ -120,6 +120,7 @@ struct ModelFingerprint {
   bool operator==(const ModelFingerprint&) const = default;
 };
 
+/// Whoever edits tables that solvers use (BodyEdit, src/topology/body_edit.h) calls Solver::body_changed() then.
 struct TopologyTextures {
   TopologyOptions options;  ///< as built, law and stabiliser included
   int dimension = 3;
@@ -167,6 +168,14 @@ struct TopologyTextures {
     return std::span(surface_links).subspan(domains[domain].first_surface_link, domains[domain].surface_link_count);
   }
 
+  // Edits since build_topology() (Simulation::remove_cells).
+  std::vector<Index> removed;  ///< rows of Model::cells, ascending
+  /// Domains whose rows, or whose particles' masses, changed: in order of the changes, so that a domain may recur.
+  /// Numbers of particles and domains stay. A domain without a cell keeps its volume and has no links.
+  std::vector<Index> edited;
+  double stiffened = 1.0;              ///< a bound, >= 1, of the factor by which that raised the largest eigenvalue
+  std::optional<std::uint64_t> built;  ///< fingerprint() before the first edit
+
   // Transposed lists, because a shader can gather but not scatter. An entry is (row of the term) * corners + corner.
   RaggedList neighbour_of;             ///< per particle j: rows r of `neighbours` with neighbours[r] = j (corners = 1)
   RaggedList base_of;                  ///< per particle: base row * 3 + corner (2-D too)
@@ -177,7 +186,10 @@ struct TopologyTextures {
 };
 
 /// Hash (FNV-1a, 64 bits) of the constants and indices of the tables. It depends on material, rest shape, masses,
-/// options and order of the particles. Files contain it; it is the same on every system.
+/// options and order of the particles; of an edited body on what it had been and on the cells that are removed now.
+/// Files contain it; it is the same on every system.
 std::uint64_t fingerprint(const TopologyTextures& topology);
+/// What it is while these cells (TopologyTextures::removed) are the removed ones.
+std::uint64_t fingerprint(const TopologyTextures& topology, std::span<const Index> removed);
 
 }  // namespace phymul

@@ -89,6 +89,15 @@ class ReferenceSolver final : public SolverBackend {
     scene().evaluate(state_.time, frame());
   }
 
+  void do_body_changed(std::span<const Index> domains) override {
+    for (const Index d : domains) {
+      const Index i = topology().domains[d].particle;
+      if (topology().mass[i] > 0.0) continue;
+      state_.position[i] = topology().rest[i];
+      state_.velocity[i].setZero();
+    }
+  }
+
   void follow_tools() {
     tools_.follow(scene());
     ways_.reserve(tools_.count());
@@ -215,6 +224,7 @@ class ReferenceSolver final : public SolverBackend {
   bool fixed(Index i, int axis) const { return fixed(i, axis, frame()); }
 
   Vec3 acceleration(Index i, const Vec3& elastic, const LoadFrame& loads) const {
+    if (topology().mass[i] == 0.0) return Vec3::Zero();  // removed
     const Vec3 load = loads.force.empty() ? Vec3(Vec3::Zero()) : loads.force[i];
     return (elastic + load) / topology().mass[i] + loads.gravity;
   }
@@ -223,6 +233,7 @@ class ReferenceSolver final : public SolverBackend {
     withheld_.clear();
     bool any = false;
     for (Index i = 0; i < topology().particle_count; ++i) {
+      if (topology().mass[i] == 0.0) continue;
       const Vec3 uncut = force_[i], elastic = uncut / topology().mass[i];
       if (!(elastic.norm() > largest)) continue;
       force_[i] = topology().mass[i] * cut(elastic, largest);

@@ -18,6 +18,7 @@ void FloatTools::follow(const Scene& scene) {
   }
   tools_ = std::move(now);
   mass_ = scene.model().mass;
+  for (Moving& moving : tools_) moving.moved.let_go_of_removed(mass_);
   fill_laws();
   fill_rest(scene.model().rest);
   fill_held();

@@ -56,7 +56,7 @@ ScaledStiffness::ScaledStiffness(const TopologyTextures& topology, std::span<con
   for (Index i = 0; i < topology.particle_count; ++i) {
     for (int axis = 0; axis < topology.dimension; ++axis) {
       const bool free = fixed.empty() || (fixed[i] >> axis & 1) == 0;
-      if (free) scale_[3 * i + axis] = 1.0 / std::sqrt(topology.mass[i]);
+      if (free && topology.mass[i] > 0.0) scale_[3 * i + axis] = 1.0 / std::sqrt(topology.mass[i]);
     }
   }
 }

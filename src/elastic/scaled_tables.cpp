@@ -9,8 +9,9 @@ namespace phymul {
 
 const TopologyTextures& ScaledTables::of(const TopologyTextures& topology, std::span<const double> factors) {
   if (factors.empty()) return topology;
-  if (std::ranges::equal(factors, factors_)) return *scaled_;
-  if (!scaled_) scaled_ = topology;
+  const bool same_body = scaled_ && scaled_->edited.size() == topology.edited.size();
+  if (same_body && std::ranges::equal(factors, factors_)) return *scaled_;
+  if (!same_body) scaled_ = topology;
   const std::size_t moduli = kind_of(topology.options.strain_energy).moduli;
   for (std::size_t d = 0; d < topology.domains.size(); ++d) {
     const DomainTexel& own = topology.domains[d];

@@ -14,8 +14,8 @@ namespace phymul {
 class ScaledTables {
  public:
   /// The tables with all stiffnesses of each material times its factor [materials]; without factors the tables
-  /// themselves. Valid until the next call. Copies the tables where it does so for the first time, and is to be given
-  /// the same ones from then on.
+  /// themselves. Valid until the next call. Copies the tables where it does so for the first time or after edits, and
+  /// is to be given the same ones from then on.
   const TopologyTextures& of(const TopologyTextures& topology, std::span<const double> factors);
 
  private:

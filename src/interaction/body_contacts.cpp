@@ -52,11 +52,12 @@ void BodyContacts::follow(const Scene& scene) {
     return;
   }
   options_ = *scene.contacts();
-  if (surface_known_) {
+  if (surface_known_ && body_version_ == scene.body_version()) {
     candidates_.change(options_);
     return;
   }
   surface_ = {};  // of no use half made
+  surface_known_ = false;
   surface_ = make_contact_surface(scene.model());
   candidates_.follow(surface_, options_);
   rows_.clear();
@@ -64,6 +65,7 @@ void BodyContacts::follow(const Scene& scene) {
   place_.resize(surface_.particles.size());
   velocity_.resize(surface_.particles.size());
   surface_known_ = true;
+  body_version_ = scene.body_version();
 }
 
 /// Two places come nearer by no more than both go. A velocity differs from the mean by no more than twice the largest.

@@ -64,7 +64,8 @@ class BodyContacts {
 
   ContactOptions options_;
   ContactSurface surface_;
-  bool surface_known_ = false;  // and candidates_ of it; it is the model's, whatever else of a scene changes
+  bool surface_known_ = false;      // and candidates_ of it; it is the model's, whatever else of a scene changes
+  std::uint64_t body_version_ = 0;  // Scene::body_version() that it is of
   ContactCandidates candidates_;
   double gone_ = NAN;         // m, PredictedStep::gone() at the last find()
   std::vector<Index> rows_;   // [particles of the surface] of the model

@@ -24,6 +24,7 @@ class SurfaceBuilder {
     for (const Facet& facet : facets) add(facet, body, solid);
     if (facets.empty()) {
       for (const Index i : particles) {
+        if (model_.mass[i] == 0.0) continue;  // removed
         for (const Index* j = model_.neighbours.begin(i); j != model_.neighbours.end(i); ++j) add_edge(i, *j, body);
       }
     }
@@ -95,7 +96,7 @@ ContactSurface make_contact_surface(const Model& model) {
     part.rest = model.rest;
   }
   for (const Cell& cell : model.cells) {
-    if (cell_size(cell.type) > 0) parts[body_of[cell.particles.front()]].cells.push_back(cell);
+    if (cell_size(cell.type) > 0 && cell.share > 0.0) parts[body_of[cell.particles.front()]].cells.push_back(cell);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     builder.add(parts[b], static_cast<Index>(b), bodies[b].particles);

@@ -23,6 +23,25 @@ JointSet::End JointSet::end_of(const Anchor& anchor, const std::vector<SceneTool
   return end;
 }
 
+namespace {
+
+/// Whether it ends at a particle all of whose tissue is removed: such a spring is broken.
+bool ends_at_removed(const JointSpring& spring, std::span<const double> mass) {
+  const auto removed = [&](Index i) { return mass[i] == 0.0; };
+  return std::ranges::any_of(spring.a.particles, removed) || std::ranges::any_of(spring.b.particles, removed);
+}
+
+}  // namespace
+
+void JointSet::break_removed(Followed& followed, const Joint& joint) const {
+  for (std::size_t row = 0; row < followed.springs.size(); ++row) {
+    bool& broken = followed.report.springs[row].broken;
+    if (broken || !ends_at_removed(joint.springs[row], scene_->model().mass)) continue;
+    broken = true;
+    ++followed.report.broken;
+  }
+}
+
 void JointSet::follow(const Scene& scene) {
   scene_ = &scene;
   std::vector<Index> particles;
@@ -47,6 +66,7 @@ void JointSet::follow(const Scene& scene) {
     const auto known = std::ranges::find(joints_, joint.id, &Followed::id);
     if (known != joints_.end()) followed.report = known->report;  // a copy: what follows may need memory and fail
     followed.report.springs.resize(followed.springs.size());
+    break_removed(followed, joint.joint);
     followed.next = followed.report.springs;
     followed.reach.resize(followed.springs.size());
     now.push_back(std::move(followed));
@@ -60,12 +80,15 @@ void JointSet::reset(const State& state) {
     followed.report.springs.assign(followed.springs.size(), {});
     followed.report = {.springs = std::move(followed.report.springs)};
     const auto known = std::ranges::find(state.joints, followed.name, &JointState::name);
-    if (known == state.joints.end()) continue;
-    for (const Index row : known->broken) {
-      if (row < 0 || row >= static_cast<Index>(followed.springs.size())) continue;
-      followed.report.springs[row].broken = true;
-      ++followed.report.broken;
+    if (known != state.joints.end()) {
+      for (const Index row : known->broken) {
+        if (row < 0 || row >= static_cast<Index>(followed.springs.size())) continue;
+        followed.report.springs[row].broken = true;
+        ++followed.report.broken;
+      }
     }
+    const auto own = std::ranges::find(scene_->joints(), followed.id, &SceneJoint::id);
+    if (own != scene_->joints().end()) break_removed(followed, own->joint);
   }
 }
 
@@ -267,6 +290,7 @@ double JointSet::largest_of(const Scene& scene, std::span<const double> mass, co
 
 /// Adds |M^-1 K| trial of a spring to row_.
 void JointSet::add_row(const JointSpring& spring, double constant, std::span<const double> mass) {
+  if (ends_at_removed(spring, mass)) return;
   double sum = 0.0;
   for (const Anchor* end : {&spring.a, &spring.b}) {
     for (std::size_t k = 0; k < end->particles.size(); ++k) {

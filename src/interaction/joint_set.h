@@ -119,6 +119,7 @@ class JointSet {
     Vec3 position, velocity;
   };
 
+  void break_removed(Followed& followed, const Joint& joint) const;
   bool is_left_out(std::size_t row) const { return row < left_out_.size() && left_out_[row]; }
   End end_of(const Anchor& anchor, const std::vector<SceneTool>& tools) const;
   Motion motion_of(const End& end, std::span<const ToolWay> tools, double dt) const;

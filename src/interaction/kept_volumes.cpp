@@ -10,8 +10,10 @@ namespace phymul {
 
 void KeptVolumes::follow(const Scene& scene) {
   surfaces_.clear();
-  for (const VolumeConstraint& kept : scene.volume_constraints()) {
+  for (std::size_t row = 0; row < scene.volume_constraints().size(); ++row) {
+    const VolumeConstraint& kept = scene.volume_constraints()[row];
     Surface surface;
+    surface.open = scene.is_open(row);
     surface.volume = kept.volume;
     surface.triangles = kept.triangles;
     for (const auto& t : kept.triangles) surface.particles.insert(surface.particles.end(), t.begin(), t.end());
@@ -32,7 +34,7 @@ void KeptVolumes::follow(const Scene& scene) {
 
 int KeptVolumes::act(TouchedParticles& touched) {
   for (std::size_t row = 0; row < surfaces_.size(); ++row) {
-    if (!restore(surfaces_[row], touched)) return static_cast<int>(row);
+    if (!surfaces_[row].open && !restore(surfaces_[row], touched)) return static_cast<int>(row);
   }
   return -1;
 }

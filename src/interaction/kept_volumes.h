@@ -24,6 +24,7 @@ class KeptVolumes {
     std::vector<Index> particles;
     std::vector<std::array<Index, 3>> triangles;  // rows of `particles`
     double volume = 0.0;
+    bool open = false;                    // not kept
     VecList start, end, gradient, along;  // [particles]
   };
   static bool restore(Surface& surface, TouchedParticles& touched);

@@ -107,6 +107,20 @@ void MovedTool::take_hold(Index particle, const Vec3& at) {
   report.held = static_cast<int>(held.size());
 }
 
+void MovedTool::let_go_of_removed(std::span<const double> mass) {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    if (mass[static_cast<std::size_t>(held[k])] == 0.0) continue;
+    held[kept] = held[k];
+    held_at[kept++] = held_at[k];
+  }
+  if (kept == held.size()) return;
+  held.resize(kept);
+  held_at.resize(kept);
+  report.held = static_cast<int>(kept);
+  weigh_held(mass);
+}
+
 void MovedTool::release() {
   held.clear();
   held_at.clear();

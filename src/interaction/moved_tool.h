@@ -39,6 +39,7 @@ struct MovedTool {
   void begin_call(const SceneTool& wanted, int call_steps, bool at_once);
   void take_hold(Index particle, const Vec3& at);  ///< m, in the tool's frame
   void release();
+  void let_go_of_removed(std::span<const double> mass);  ///< particles without mass
   /// After held has changed. `mass`: of all particles, kg.
   void weigh_held(std::span<const double> mass);
   void accept_pose();

@@ -38,13 +38,23 @@ NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model
     : needle_(needle),
       friction_(friction),
       spread_(needle_spread(needle, model)),
-      support_radius_(needle_support_radius(spread_, model)),
-      facets_(outward_triangles(model)) {
+      support_radius_(needle_support_radius(spread_, model)) {
   found_.reserve(model.rest.size());
   sides_.resize(model.rest.size());
+  follow_body(model);
+}
+
+void NeedlePath::follow_body(const Model& model) {
+  facets_ = outward_triangles(model);
+  surface_.clear();
   for (const auto& t : facets_) surface_.insert(surface_.end(), t.begin(), t.end());
   std::ranges::sort(surface_);
   surface_.erase(std::ranges::unique(surface_).begin(), surface_.end());
+  removed_.assign(model.mass.size(), 0);
+  for (std::size_t i = 0; i < removed_.size(); ++i) removed_[i] = model.mass[i] == 0.0 ? 1 : 0;
+  std::erase_if(state_.hole, [&](const NeedleNode& node) {
+    return std::ranges::any_of(node.particles, [&](Index i) { return removed_[i] != 0; });
+  });
 }
 
 Vec3 NeedlePath::place(const NeedleNode& node, const PredictedStep& step) {
@@ -60,6 +70,7 @@ NeedleNode NeedlePath::node_at(const PredictedStep& step, const Vec3& x) {
   do {
     found_.clear();
     step.find({.low = x - Vec3::Constant(support_radius), .high = x + Vec3::Constant(support_radius)}, found_);
+    std::erase_if(found_, [&](Index i) { return removed_[i] != 0; });
     std::ranges::sort(found_);
     node = spread_weights(step, found_, x, support_radius);
     support_radius *= 1.5;

@@ -29,6 +29,7 @@ class NeedlePath {
   const NeedleState& state() const { return state_; }
   double length() const { return needle_.length; }  ///< m
   void restore(NeedleState state) { state_ = std::move(state); }
+  void follow_body(const Model& model);  ///< cells were removed or brought back: surface, and nodes of the hole
 
  private:
   /// How an impulse on one node moves another: they share particles.
@@ -96,6 +97,7 @@ class NeedlePath {
   std::vector<std::array<Index, 3>> facets_;  // outward
   std::vector<Index> surface_;                // their particles
   std::vector<std::uint8_t> sides_;           // [N] of look_around_shaft()
+  std::vector<std::uint8_t> removed_;         // [N] whether it has no mass
   NeedleState state_;
   std::vector<Coupled> coupled_;  // per node of the hole, and some that wait for more
   std::vector<Index> found_;

@@ -40,7 +40,7 @@ std::size_t TouchedParticles::slot(Index particle) {
     slot = static_cast<Index>(touched_.size());
     Touched& touched = touched_.emplace_back();
     touched.particle = particle;
-    touched.inverse_mass = 1.0 / mass_[particle];
+    touched.inverse_mass = mass_[particle] > 0.0 ? 1.0 / mass_[particle] : 0.0;
     touched.fixed = static_cast<std::uint8_t>((fixed_.empty() ? 0 : fixed_[particle]) | (plane_ ? 4 : 0));
     touched.position = step_->position(particle);
     touched.velocity = step_->predicted_velocity(particle);

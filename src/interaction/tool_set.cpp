@@ -75,6 +75,17 @@ void ToolSet::follow(const Scene& scene) {
   }
   tools_ = std::move(now);
   for (Moving& tool : tools_) tool.pull = {};
+  if (body_version_ != scene.body_version()) follow_body(scene);
+}
+
+void ToolSet::follow_body(const Scene& scene) {
+  for (Moving& tool : tools_) {
+    tool.moved.let_go_of_removed(scene.model().mass);
+    if (tool.needle) tool.needle->follow_body(scene.model());
+    const auto own = std::ranges::find(scene.tools(), tool.moved.id, &SceneTool::id);
+    if (tool.surface) tool.surface.emplace(scene.model(), own->tool);
+  }
+  body_version_ = scene.body_version();
 }
 
 void ToolSet::reset(const Scene& scene, const State& state) {

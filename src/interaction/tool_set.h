@@ -67,6 +67,7 @@ class ToolSet {
     ToolForce next_force{};                 // likewise, of what it touches
   };
 
+  void follow_body(const Scene& scene);
   static Moving made(const SceneTool& tool, const Scene& scene);
   void take_hold(Moving& tool, TouchedParticles& touched);
   void hold(Moving& tool, TouchedParticles& touched);
@@ -76,8 +77,9 @@ class ToolSet {
   bool at_once_ = false;  // of the last begin_call()
   std::vector<Moving> tools_;
   std::vector<Index> found_;
-  bool was_reset_ = false;     // the first reset is that of a solver being made
-  mutable ToolReport unseen_;  // of a tool that follow() has not seen yet
+  std::uint64_t body_version_ = 0;  // Scene::body_version() that needles and surfaces are of
+  bool was_reset_ = false;          // the first reset is that of a solver being made
+  mutable ToolReport unseen_;       // of a tool that follow() has not seen yet
 };
 
 }  // namespace phymul

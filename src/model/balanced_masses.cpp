@@ -52,7 +52,7 @@ Corner corner_of(const Model& model, const Cell& cell, std::size_t v) {
 class CellsAround {
  public:
   explicit CellsAround(const Model& model) : first_(model.rest.size() + 1, 0) {
-    const auto counts = [&](const Cell& cell) { return cell.material >= 0 && is_solid(model.dimension, cell.type); };
+    const auto counts = [&](const Cell& cell) { return cell.material >= 0 && is_solid(model.dimension, cell); };
     for (const Cell& cell : model.cells) {
       if (!counts(cell)) continue;
       for (const Index i : cell.particles) ++first_[i + 1];

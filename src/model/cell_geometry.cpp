@@ -110,9 +110,9 @@ bool is_solid(int dimension, CellType type) {
 }
 
 double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> position) {
-  if (!is_solid(dimension, cell.type)) return 0.0;
-  return dimension == 3 ? signed_volume(cell.type, cell.particles, position)
-                        : area_vector(cell.particles, position).z();
+  if (!is_solid(dimension, cell)) return 0.0;
+  return cell.share * (dimension == 3 ? signed_volume(cell.type, cell.particles, position)
+                                      : area_vector(cell.particles, position).z());
 }
 
 std::string cell_label(const Model& model, std::size_t row) {

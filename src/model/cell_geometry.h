@@ -39,12 +39,15 @@ double signed_volume(CellType type, std::span<const Index> particles, std::span<
 /// Area vector (normal times area) of a triangle or quad, m^2; for a bilinear quad the integral of its normal.
 Vec3 area_vector(std::span<const Index> particles, std::span<const Vec3> position);
 
-/// What a cell contributes to the body: signed volume of a volume cell in 3-D, area along +z of a triangle or quad in
-/// 2-D (m^2: volume per metre of thickness), 0 otherwise.
+/// What a cell contributes to the body: Cell::share times the signed volume of a volume cell in 3-D, or the area along
+/// +z of a triangle or quad in 2-D (m^2: volume per metre of thickness); 0 otherwise.
 double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> position);
 
-/// True for the cells that signed_measure measures.
+/// True for the cells that signed_measure measures, where they are not removed.
 bool is_solid(int dimension, CellType type);
+inline bool is_solid(int dimension, const Cell& cell) {
+  return cell.share > 0.0 && is_solid(dimension, cell.type);
+}
 
 /// Calls visit(particles) for every face of a 3-D cell, or every edge of a 2-D cell. `particles` has four entries, in
 /// order around the face. A triangle fills the last one with -1, an edge the last two.

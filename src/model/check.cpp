@@ -104,7 +104,7 @@ std::vector<Index> tangled_cells(const Model& model, const std::vector<Index>& n
   };
   std::map<std::array<Index, 4>, std::vector<Side>> sides;  // by the sorted particles of a face, -1 in front
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
-    if (!is_solid(model.dimension, model.cells[row].type) || is_degenerate(model, model.cells[row])) continue;
+    if (!is_solid(model.dimension, model.cells[row]) || is_degenerate(model, model.cells[row])) continue;
     each_face(model.dimension, model.cells[row], [&](std::array<Index, 4> ring) {
       const auto end = std::ranges::find(ring, -1);
       const bool is_edge = end - ring.begin() == 2;
@@ -149,6 +149,7 @@ void look_at_cells(const Model& model, bool mending, std::vector<Finding>& findi
   std::vector<Index> wound, flat;
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     const Cell& cell = model.cells[row];
+    if (cell.share == 0.0) continue;
     if (is_degenerate(model, cell)) {
       flat.push_back(row);
     } else if (signed_measure(model.dimension, cell, model.rest) < 0.0) {

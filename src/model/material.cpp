@@ -27,7 +27,7 @@ void sum_masses(Model& model) {
   std::vector<double> mass(model.rest.size(), 0.0);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
-    if (cell.material < 0 || !is_solid(model.dimension, cell.type)) continue;
+    if (cell.material < 0 || !is_solid(model.dimension, cell)) continue;
     const double measure = signed_measure(model.dimension, cell, model.rest);
     if (!(measure > 0.0)) {
       throw Error(ErrorCode::invalid_model,

@@ -92,6 +92,7 @@ Index first_folded_cell(const Model& model, std::span<const Vec3> position) {
   require_count(model, position.size(), "positions");
   for (std::size_t c = 0; c < model.cells.size(); ++c) {
     const Cell& cell = model.cells[c];
+    if (cell.share == 0.0) continue;
     const bool solid = model.dimension == 3 && is_volume(cell.type);
     // All corners of a tetrahedron are the whole of it.
     const bool one_corner = solid && cell.type == CellType::tetrahedron;

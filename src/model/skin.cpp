@@ -92,7 +92,7 @@ class CellSearch {
   explicit CellSearch(const Model& model) : model_(model) {
     VecList middle;
     for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
-      if (!is_volume(model.cells[row].type)) continue;
+      if (!is_solid(3, model.cells[row])) continue;
       cells_.push_back(row);
       boxes_.push_back(box_of(model.cells[row]));
       middle.push_back(boxes_.back().center());

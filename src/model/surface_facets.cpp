@@ -57,8 +57,8 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
   bool made_of_cells = false;
   std::vector<Candidate> faces;
   for (const Cell& cell : model.cells) {
-    if (!is_solid(model.dimension, cell.type)) continue;
-    made_of_cells = true;
+    made_of_cells = made_of_cells || is_solid(model.dimension, cell.type);
+    if (!is_solid(model.dimension, cell)) continue;
     const bool inside_out = signed_measure(model.dimension, cell, model.rest) < 0.0;
     // Both cells at an inner face have it chosen, so leaving out the others first does not bare inner faces.
     each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {

@@ -25,7 +25,7 @@ void append_ring(const std::vector<Index>& ring, std::vector<std::array<Index, 3
 std::vector<std::array<Index, 3>> plane_triangles(const Model& model) {
   std::vector<std::array<Index, 3>> triangles;
   for (const Cell& cell : model.cells) {
-    if (cell.type != CellType::triangle && cell.type != CellType::quad) continue;
+    if (cell.share == 0.0 || (cell.type != CellType::triangle && cell.type != CellType::quad)) continue;
     const std::size_t first = triangles.size();
     append_ring(cell.particles, triangles);
     double area = 0.0;

@@ -2,6 +2,7 @@
 #include <phymul/error.h>
 #include <phymul/model.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -37,6 +38,17 @@ void require_rows(const Model& model, const char* what, std::size_t size) {
                                             " rows in " + what + ", one per particle, got " + std::to_string(size));
 }
 
+/// Whether all cells around it are removed, and some are.
+bool is_removed(const Model& model, Index i) {
+  bool any = false;
+  for (const Cell& cell : model.cells) {
+    if (std::ranges::find(cell.particles, i) == cell.particles.end()) continue;
+    if (is_solid(model.dimension, cell)) return false;
+    any = any || cell.share == 0.0;
+  }
+  return any;
+}
+
 void validate_particles(const Model& model) {
   for (std::size_t i = 0; i < model.rest.size(); ++i) {
     if (!model.rest[i].allFinite()) {
@@ -48,7 +60,8 @@ void validate_particles(const Model& model) {
                                                 ": expected z = 0 in a two-dimensional model, got " +
                                                 to_decimal(model.rest[i].z()) + " m");
     }
-    if (!(model.mass[i] > 0.0) || !std::isfinite(model.mass[i])) {
+    const bool has_mass = model.mass[i] > 0.0 && std::isfinite(model.mass[i]);
+    if (!has_mass && !(model.mass[i] == 0.0 && is_removed(model, static_cast<Index>(i)))) {
       throw Error(ErrorCode::invalid_model, particle_label(model, i) + ": expected a positive, finite mass, got " +
                                                 to_decimal(model.mass[i]) + " kg");
     }
@@ -96,6 +109,10 @@ void validate_cells(const Model& model) {
     }
     const auto label = [&] { return cell_label(model, row) + ": "; };
     require_indices(cell.particles, model.rest.size(), "particles", label, ErrorCode::invalid_model);
+    if (!(cell.share >= 0.0 && cell.share <= 1.0)) {
+      throw Error(ErrorCode::invalid_model,
+                  label() + "expected a share of 0 (removed) to 1, got " + to_decimal(cell.share));
+    }
     if (cell.material == -1) continue;
     require_indices(std::array{cell.material}, model.materials.size(), "a material", label, ErrorCode::invalid_model);
   }

@@ -141,14 +141,16 @@ Load for_merged(Load load, Index first) {
 
 std::vector<ConnectedBody> connected_bodies(const Model& model) {
   UnionFind sets(model.rest.size());
-  for (Index i = 0; i < model.neighbours.rows(); ++i) {
+  // Lists of neighbours do not follow the cells that are removed.
+  const bool whole = std::ranges::none_of(model.cells, [](const Cell& cell) { return cell.share == 0.0; });
+  for (Index i = 0; whole && i < model.neighbours.rows(); ++i) {
     for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) sets.join(i, *j);
   }
   const std::vector<char> joints = interaction_cells(model);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
     // Lists only name particles.
-    if (cell_size(cell.type) == 0 || joints[row]) continue;
+    if (cell_size(cell.type) == 0 || cell.share == 0.0 || joints[row]) continue;
     for (const Index i : cell.particles) sets.join(cell.particles.front(), i);
   }
   std::vector<ConnectedBody> bodies;

@@ -107,11 +107,13 @@ double value_at(std::span<const ValueEvent> events, double date) {
 
 Scene::Scene(const Model& model) : model_(&model) {
   validate(model);
+  find_removed();
 }
 
 Scene::Scene(std::shared_ptr<const Model> model) : owned_(std::move(model)), model_(owned_.get()) {
   if (!model_) throw Error("Scene: expected a model, got null");
   validate(*model_);
+  find_removed();
 }
 
 void Scene::require(const Load& load) const {
@@ -184,7 +186,7 @@ Scene::Action Scene::prepared_pressure(const Load& load, Action action) const {
   std::vector<char> chosen(model_->rest.size(), 0);
   for (const Index i : action.particles) chosen[i] = 1;
   const std::vector<Facet> facets = surface_facets(*model_, chosen);
-  if (facets.empty()) {
+  if (facets.empty() && body_version_ == 0) {
     throw Error(load_label(load) +
                 "expected particles that span facets of the surface, but no facet has all of its particles among them");
   }
@@ -280,8 +282,26 @@ Scene& Scene::clear() {
   return *this;
 }
 
+void Scene::body_changed() {
+  ++body_version_;
+  for (std::size_t row = 0; row < loads_.size(); ++row) {
+    const LoadType type = loads_[row].type;
+    if (type == LoadType::pressure || type == LoadType::acceleration) actions_[row] = prepared(loads_[row]);
+  }
+  find_removed();
+  find_open_volumes();
+  ++version_;
+}
+
+void Scene::find_removed() {
+  removed_.clear();
+  for (Index i = 0; i < model_->particle_count(); ++i) {
+    if (model_->mass[i] == 0.0) removed_.push_back(i);
+  }
+}
+
 void Scene::prepare(LoadFrame& frame) const {
-  bool pushes = false, imposed = false;
+  bool pushes = false, imposed = !removed_.empty();
   for (std::size_t row = 0; row < loads_.size(); ++row) {
     if (actions_[row].particles.empty()) continue;
     imposed |= actions_[row].imposed != 0;
@@ -297,6 +317,7 @@ void Scene::prepare(LoadFrame& frame) const {
     if (action.imposed == 0) continue;
     for (const Index i : action.particles) frame.fixed[i] |= action.imposed;
   }
+  for (const Index i : removed_) frame.fixed[i] = all_axes;
 }
 
 void Scene::evaluate(double time, LoadFrame& frame) const {

@@ -76,6 +76,39 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
 
 }  // namespace
 
+/// A triangle at no cell that is left opens its volume.
+void Scene::find_open_volumes() {
+  open_volumes_.assign(volume_constraints_.size(), 0);
+  struct Side {
+    std::array<Index, 3> corner;
+    std::size_t volume;
+    bool has_cell = false;
+  };
+  std::vector<Side> sides;
+  for (std::size_t row = 0; row < volume_constraints_.size(); ++row) {
+    for (const auto& triangle : volume_constraints_[row].triangles) sides.push_back({triangle, row});
+  }
+  if (sides.empty()) return;
+  std::ranges::sort(sides, {}, [](const Side& side) { return side.corner[0]; });
+  for (const Cell& cell : model_->cells) {
+    if (cell.share == 0.0) continue;
+    for (const Index i : cell.particles) {
+      for (Side& side : std::ranges::equal_range(sides, i, {}, [](const Side& own) { return own.corner[0]; })) {
+        side.has_cell = side.has_cell || std::ranges::all_of(side.corner, [&](Index corner) {
+                          return std::ranges::find(cell.particles, corner) != cell.particles.end();
+                        });
+      }
+    }
+  }
+  for (const Side& side : sides) {
+    if (!side.has_cell) open_volumes_[side.volume] = 1;
+  }
+}
+
+bool Scene::any_volume_open() const {
+  return std::ranges::any_of(open_volumes_, [](char open) { return open != 0; });
+}
+
 Scene& Scene::constrain_volume() & {
   return constrain_volume(surface_of(*model_, ""));
 }

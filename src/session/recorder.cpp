@@ -154,6 +154,7 @@ void Recorder::reset(const State& state) {
   solver_.reset(state);  // throws for a state that is none, before it is written down
   Snapshot plain;
   plain.state = state;
+  plain.removed_cells = solver_.topology().removed;
   record_scene();
   record(input_kind::restore, snapshot_bytes(plain));
 }
@@ -167,6 +168,12 @@ void Recorder::restore(const Snapshot& snapshot) {
   }
   record_scene();
   record(input_kind::restore, snapshot_bytes(snapshot));
+}
+
+void Recorder::set_removed_cells(std::span<const Index> removed) {
+  ByteWriter out;
+  out.field(std::vector<Index>(removed.begin(), removed.end()), "");
+  record(input_kind::removed, out.bytes());
 }
 
 void Recorder::note(std::string_view kind, std::string bytes) {

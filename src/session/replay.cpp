@@ -94,6 +94,16 @@ void Replay::follow_checkpoint(const Input& input) const {
               solver_.device() + "): another backend or vector width gives other last bits");
 }
 
+void Replay::make_removed(std::span<const Index> cells) {
+  if (std::ranges::equal(cells, solver_.topology().removed)) return;
+  if (!on_removed_cells) {
+    throw Error(
+        "the recording removes cells of the body; replay it with Simulation::replay, or set "
+        "Replay::on_removed_cells");
+  }
+  on_removed_cells(cells);
+}
+
 void Replay::move_tool(const Input& input) {
   ByteReader in = reader(input);
   const ToolHandle tool = scene_.tool(in.text("a tool's name"));
@@ -125,10 +135,17 @@ void Replay::perform(const Input& input) {
     ByteReader in = reader(input);
     const Snapshot snapshot = take_snapshot(in);
     in.expect_end("the input");
+    make_removed(snapshot.removed_cells);
     solver_.restore(snapshot);
   } else if (input.kind == input_kind::scene) {
     ByteReader in = reader(input);
     change_scene(scene_, in);
+  } else if (input.kind == input_kind::removed) {
+    ByteReader in = reader(input);
+    std::vector<Index> cells;
+    in.field(cells, "removed cells");
+    in.expect_end("the input");
+    make_removed(cells);
   } else if (input.kind == input_kind::pose || input.kind == input_kind::grasp) {
     move_tool(input);
   } else if (input.kind == input_kind::checkpoint) {
@@ -174,8 +191,8 @@ void Replay::skip_to(std::uint64_t position) {
                   std::to_string(position));
     }
     const Input& input = recording_.inputs[row_];
-    const bool of_scene =
-        input.kind == input_kind::scene || input.kind == input_kind::pose || input.kind == input_kind::grasp;
+    const bool of_scene = input.kind == input_kind::scene || input.kind == input_kind::removed ||
+                          input.kind == input_kind::pose || input.kind == input_kind::grasp;
     if (of_scene) {
       perform(input);
       advance();

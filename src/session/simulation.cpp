@@ -61,7 +61,7 @@ Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
         std::exchange(options.solver.progress, [this](const StepProgress& at) { return progress.pass_on(at); });
     progress.seconds = options.solver.progress_seconds;
   }
-  topology = std::make_shared<const TopologyTextures>(build_topology(model, options.topology));
+  topology = std::make_shared<TopologyTextures>(build_topology(model, options.topology));
 }
 
 Solver& Simulation::Parts::solver() {
@@ -126,11 +126,41 @@ void Simulation::Parts::start_at_rest(const State& state, const std::vector<Tool
 }
 
 void Simulation::Parts::bring_back(const Snapshot& snapshot) {
-  if (!snapshot.scene || (snapshot.topology_hash != 0 && snapshot.topology_hash != solver().topology_hash())) return;
+  if (snapshot.topology_hash != 0 && snapshot.topology_hash != fingerprint(*topology, snapshot.removed_cells)) return;
+  if (snapshot.topology_hash != 0) set_removed_cells(snapshot.removed_cells);
+  if (!snapshot.scene) return;
   const auto& tools = snapshot.scene->tools;
   scene.bring_back(*snapshot.scene);
   for (std::size_t row = 0; row < std::min(tools.size(), snapshot.tools.size()); ++row) {
     scene.tool(tools[row].first).move_to(snapshot.tools[row].target);
+  }
+}
+
+void Simulation::Parts::set_removed_cells(std::vector<Index> removed) {
+  if (removed == topology->removed) return;
+  if (solver().substeps() > 1) {
+    throw Error(ErrorCode::not_supported,
+                "the cells of a body with SolverOptions::max_substeps above 1 cannot be removed: its fine parts are "
+                "chosen once; set it to 1");
+  }
+  const auto without = [](const std::vector<Index>& a, const std::vector<Index>& b) {
+    std::vector<Index> rest;
+    std::ranges::set_difference(a, b, std::back_inserter(rest));
+    return rest;
+  };
+  if (!edit) edit = std::make_unique<BodyEdit>(model, *topology);
+  const std::vector<Index> before = topology->removed;
+  const auto change = [&](const std::vector<Index>& from, const std::vector<Index>& to) {
+    edit->set_shares(without(from, to), 1.0);
+    edit->set_shares(without(to, from), 0.0);
+    scene.body_changed();
+  };
+  change(before, removed);
+  try {
+    solver().body_changed();
+  } catch (...) {
+    change(removed, before);
+    throw;
   }
 }
 
@@ -311,6 +341,26 @@ bool Simulation::rewind(double time) {
   return true;
 }
 
+void Simulation::remove_cells(std::span<const Index> cells) {
+  std::vector<Index> removed = parts_->topology->removed;
+  for (const Index row : cells) {
+    const auto count = static_cast<Index>(model().cells.size());
+    if (row >= 0 && row < count) continue;
+    throw Error("Simulation::remove_cells: expected rows of Model::cells from 0 to " + std::to_string(count - 1) +
+                ", got " + std::to_string(row));
+  }
+  removed.insert(removed.end(), cells.begin(), cells.end());
+  std::ranges::sort(removed);
+  const auto again = std::ranges::unique(removed);
+  removed.erase(again.begin(), again.end());
+  parts_->set_removed_cells(std::move(removed));
+  if (parts_->recorder) parts_->recorder->set_removed_cells(removed_cells());
+}
+
+const std::vector<Index>& Simulation::removed_cells() const {
+  return parts_->topology->removed;
+}
+
 void Simulation::record() {
   parts_->recorder.reset();
   parts_->recorder.emplace(parts_->solver(), scene());
@@ -323,7 +373,12 @@ const Recording& Simulation::recording() const {
 
 void Simulation::replay(Recording recording) {
   parts_->recorder.reset();
-  Replay(std::move(recording), parts_->solver(), scene()).run();
+  parts_->set_removed_cells(recording.start.removed_cells);
+  Replay replay(std::move(recording), parts_->solver(), scene());
+  replay.on_removed_cells = [this](std::span<const Index> cells) {
+    parts_->set_removed_cells({cells.begin(), cells.end()});
+  };
+  replay.run();
 }
 
 }  // namespace phymul

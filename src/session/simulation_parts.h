@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "elastic/scaled_tables.h"
+#include "topology/body_edit.h"
 
 namespace phymul {
 
@@ -30,6 +31,7 @@ struct Simulation::Parts {
   bool is_at_start();  ///< no step was taken since start(), and the solver was given no other state
   /// Gives the scene the tools, joints and target poses of a snapshot, unless it is of another body.
   void bring_back(const Snapshot& snapshot);
+  void set_removed_cells(std::vector<Index> removed);  ///< ascending
   void state_changed();  ///< by something that the recorder does not see
 
   StepReport step(int n, double dt);
@@ -39,7 +41,8 @@ struct Simulation::Parts {
   SimulationOptions options;
   Model model;
   Scene scene;
-  std::shared_ptr<const TopologyTextures> topology;
+  std::shared_ptr<TopologyTextures> topology;
+  std::unique_ptr<BodyEdit> edit;  ///< of model and topology; null before the first edit
   ScaledTables scaled;
 
   struct Start {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/fnv.h"
@@ -15,7 +16,7 @@ namespace phymul {
 namespace {
 
 /// Parts in the bytes alone, so that files are read that were written before snapshots had them.
-constexpr const char *motion_part = "motion", *scene_part = "scene";
+constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -106,7 +107,8 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   joint_state_fields(out, snapshot.state.joints);
   const bool moved = snapshot.growth != 0.0 || snapshot.max_speed != 0.0;
   with_scene = with_scene && snapshot.scene;
-  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0));
+  const bool removed = !snapshot.removed_cells.empty();
+  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0) + (removed ? 1 : 0));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
@@ -117,6 +119,12 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     report_fields(scene, snapshot.tools, snapshot.joints);
     out.text(scene_part);
     out.text(scene.bytes());
+  }
+  if (removed) {
+    ByteWriter cells;
+    cells.field(snapshot.removed_cells, "");
+    out.text(removed_part);
+    out.text(cells.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -157,6 +165,14 @@ Snapshot take_snapshot(ByteReader& in) {
     ByteReader bytes = in.nested("a part");
     if (part.name == scene_part) {
       take_scene(bytes, snapshot);
+      continue;
+    }
+    if (part.name == removed_part) {
+      bytes.field(snapshot.removed_cells, "removed cells");
+      bytes.expect_end("the removed cells");
+      if (std::ranges::adjacent_find(snapshot.removed_cells, std::greater_equal()) != snapshot.removed_cells.end()) {
+        in.fail("expected rows of removed cells in increasing order; the file is damaged");
+      }
       continue;
     }
     if (part.name == motion_part) {

@@ -34,6 +34,7 @@ std::size_t bytes_of(const Snapshot& snapshot) {
   }
   bytes += snapshot.tools.size() * sizeof(ToolMemory);  // Snapshot::scene is shared by all that have the same
   for (const JointReport& joint : snapshot.joints) bytes += sizeof joint + joint.springs.size() * sizeof(SpringReport);
+  bytes += snapshot.removed_cells.size() * sizeof(Index);
   for (const Snapshot::Part& part : snapshot.parts) bytes += sizeof part + part.name.size() + part.bytes.size();
   return bytes;
 }
@@ -98,7 +99,9 @@ void StateHistory::drop_after(double time) {
 }
 
 void StateHistory::follow(const Solver& solver, const StepReport& report) {
-  if (!states_.empty() && states_.back().topology_hash != solver.topology_hash()) {
+  const bool same_body = states_.empty() || states_.back().topology_hash == solver.topology_hash() ||
+                         states_.back().topology_hash == fingerprint(solver.topology(), states_.back().removed_cells);
+  if (!same_body) {
     throw Error(
         "StateHistory::follow: expected a solver of the body whose states are kept, got one of another shape, "
         "material, order of particles or other options of the tables; clear() the history, or keep one for each body");

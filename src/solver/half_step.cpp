@@ -39,6 +39,7 @@ void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, 
   add_joint_forces(scene, state, force);
   const std::vector<std::uint8_t>& fixed = acting.loads.fixed;
   for (std::size_t i = 0; i < force.size(); ++i) {
+    if (topology.mass[i] == 0.0) continue;  // removed
     const Vec3 acceleration = acting.loads.gravity + force[i] / topology.mass[i];
     for (int axis = 0; axis < topology.dimension; ++axis) {
       if (fixed.empty() || (fixed[i] >> axis & 1) == 0) change(i, axis, acceleration[axis]);

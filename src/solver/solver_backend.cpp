@@ -77,15 +77,15 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
         "the body's stiffness over its mass is beyond the range of numbers; expected masses in kg and stiffnesses in "
         "N/m (or a material in Pa) of a real body");
   }
-  const StepBound bound = step_bound(*topology_, own_spectrum_);
-  stiffness_ = bound.stiffness;
-  viscosity_ = bound.damping;
+  take_spectrum();
   if (options_.max_substeps > 1 && !topology_->domains.empty()) {
     local_steps_ = choose_local_steps(*topology_, own_spectrum_, options_.max_substeps);
   }
   spacing_ = mean_spacing(model());
   // Cells alone make a body, without neighbours to take a spacing from.
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
+  edits_seen_ = topology_->edited.size();
+  largest_before_edits_ = own_spectrum_.largest / topology_->stiffened;
   scene_->prepare(frame_);
   joints_->follow(*scene_);
   scene_version_ = scene_->version();
@@ -109,6 +109,41 @@ void SolverBackend::follow_scene() {
   }
   scene_version_ = scene_->version();
   values_version_ = scene_->values_version();
+}
+
+void SolverBackend::take_spectrum() {
+  const StepBound bound = step_bound(*topology_, own_spectrum_);
+  stiffness_ = bound.stiffness;
+  viscosity_ = bound.damping;
+}
+
+void SolverBackend::body_changed() {
+  require_idle("Solver::body_changed");
+  if (edits_seen_ == topology_->edited.size()) return;
+  if (local_steps_) {
+    throw Error(ErrorCode::not_supported,
+                "the body of a solver with SolverOptions::max_substeps above 1 cannot be changed: its fine parts are "
+                "chosen once; set it to 1");
+  }
+  own_spectrum_.largest = largest_before_edits_ * topology_->stiffened;
+  take_spectrum();
+  topology_hash_.reset();
+  materials_.reset();
+  loose_.reset();
+  all_held_.reset();
+  growth_of_state_ = 0.0;
+  copies_.clear();
+  scene_->prepare(frame_);
+  follow_joints();
+  do_body_changed(std::span(topology_->edited).subspan(edits_seen_));
+  do_scene_changed();
+  edits_seen_ = topology_->edited.size();
+  scene_version_ = scene_->version();
+  values_version_ = scene_->values_version();
+}
+
+void SolverBackend::do_body_changed(std::span<const Index>) {
+  throw Error(ErrorCode::not_supported, "the backend \"" + name_ + "\" does not follow changes of its body");
 }
 
 void SolverBackend::require_fitting(const State& state) const {
@@ -138,9 +173,22 @@ void SolverBackend::require_idle(const char* what) const {
   throw Error(std::string(what) + ": a step of this solver has not returned yet; call it after the step");
 }
 
-void SolverBackend::reset(const State& state) {
+/// Particles without mass at rest at their places.
+State SolverBackend::without_removed(State state) const {
+  for (std::size_t i = 0; i < state.position.size(); ++i) {
+    if (topology_->mass[i] > 0.0) continue;
+    state.position[i] = topology_->rest[i];
+    state.velocity[i].setZero();
+  }
+  return state;
+}
+
+void SolverBackend::reset(const State& given) {
   require_idle("Solver::reset");
-  require_fitting(state);
+  require_fitting(given);
+  std::optional<State> kept;
+  if (!topology_->removed.empty()) kept = without_removed(given);
+  const State& state = kept ? *kept : given;
   require_supported();
   follow_scene();
   copies_.clear();
@@ -256,6 +304,7 @@ Snapshot SolverBackend::snapshot() const {
   snapshot.growth = growth_;
   snapshot.max_speed = speed_;
   snapshot.topology_hash = topology_hash();
+  snapshot.removed_cells = topology_->removed;
   snapshot.backend = name_;
   if (!scene_->tools().empty() && !takes_tools()) return snapshot;
   snapshot.scene = std::make_shared<const SceneParts>(scene_->parts());
@@ -282,7 +331,8 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
     throw Error(
         "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
-        "particles or other options of the tables; the solver keeps its state. Restore it into a solver over the same "
+        "particles, other options of the tables or other removed cells; the solver keeps its state. Restore it into a "
+        "solver over the same "
         "tables, or reset() to the snapshot's state where only positions are wanted");
   }
   const SceneParts own = scene_->parts();

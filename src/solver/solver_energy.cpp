@@ -69,6 +69,7 @@ Energy SolverBackend::energy_of(const State& state, double last_dt, const VecLis
   if (!scene_->joints().empty()) energy.elastic += add_joint_forces(*scene_, read(), force);
   for (Index i = 0; i < topology_->particle_count; ++i) {
     const double m = topology_->mass[i];
+    if (m == 0.0) continue;  // removed
     if (!now.force.empty()) force[i] += now.force[i];
     if (!dissipative.empty()) force[i] += dissipative[i];
     Vec3 a = force[i] / m + now.gravity;

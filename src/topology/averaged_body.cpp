@@ -28,7 +28,7 @@ namespace phymul {
 namespace {
 
 bool solid(const Model& model, Index row) {
-  return is_solid(model.dimension, model.cells[row].type);
+  return is_solid(model.dimension, model.cells[row]);
 }
 
 /// Calls visit(domains of the vertices, points, is_own) for every solid cell that has a domain which `chosen` accepts.

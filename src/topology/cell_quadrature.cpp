@@ -114,12 +114,16 @@ void cell_points(const Model& model, Index row, std::vector<CellPoint>& points) 
   if (is_linear(cell.type)) {
     points.resize(1);
     linear_point(model, row, points.front());
+    points.front().volume *= cell.share;
     return;
   }
   const double winding = model.dimension == 2 && signed_measure(2, cell, model.rest) < 0.0 ? -1.0 : 1.0;
   const Rule& rule = rule_of(cell.type);
   points.resize(rule.size());
-  for (std::size_t k = 0; k < rule.size(); ++k) mapped_point(model, row, winding, rule[k], points[k]);
+  for (std::size_t k = 0; k < rule.size(); ++k) {
+    mapped_point(model, row, winding, rule[k], points[k]);
+    points[k].volume *= cell.share;
+  }
 }
 
 double integral_of_square(CellType type, std::span<const CellPoint> points, std::span<const double> at_vertex) {

@@ -84,7 +84,7 @@ std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell_row) 
 std::vector<CornerSimplex> corner_simplices(const Model& model) {
   std::vector<CornerSimplex> result;
   for (Index cell = 0; cell < static_cast<Index>(model.cells.size()); ++cell) {
-    if (!is_solid(model.dimension, model.cells[cell].type)) continue;
+    if (!is_solid(model.dimension, model.cells[cell])) continue;
     const std::vector<CornerSimplex> corners = corner_simplices(model, cell);
     result.insert(result.end(), corners.begin(), corners.end());
   }

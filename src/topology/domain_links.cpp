@@ -7,9 +7,6 @@
 namespace phymul {
 namespace {
 
-/// What rounding leaves of a weight that is zero by symmetry, over the largest one of its domain.
-constexpr double rounding = 1e-11;
-
 /// Appends rows of links to a table, equal ones of a kind once.
 template <class Link>
 class SharedRows {
@@ -71,7 +68,7 @@ void add_links(const Domains& domains, const PairStiffness& stiffness, TopologyT
     domains.for_each_pair(
         d, [&](Index, Index row) { largest = std::max(largest, domains.area[row].cwiseAbs().maxCoeff()); });
     const auto cleaned = [&](const Vec3& area) {
-      return Vec3((area.array().abs() > rounding * largest).select(area, 0.0));
+      return Vec3((area.array().abs() > rounding_of_area * largest).select(area, 0.0));
     };
     domains.for_each_pair(d, [&](Index e, Index row) {
       const Index reverse = next[e]++;

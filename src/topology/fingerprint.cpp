@@ -54,6 +54,7 @@ void add_averaged(Fnv& sum, const TopologyTextures& t) {
 
 std::uint64_t fingerprint(const TopologyTextures& t) {
   Fnv sum;
+  if (t.built) return fingerprint(t, t.removed);
   add_options(sum, t.options);
   sum.add(t.dimension, t.particle_count, t.rest, t.mass, t.stiffness);
   // Padding depends on the widest texture allowed, which moves nothing.
@@ -63,6 +64,14 @@ std::uint64_t fingerprint(const TopologyTextures& t) {
   sum.add(t.lambda, t.weight);
   add_terms(sum, t);
   add_averaged(sum, t);
+  return sum.value();
+}
+
+std::uint64_t fingerprint(const TopologyTextures& t, std::span<const Index> removed) {
+  const std::uint64_t built = t.built ? *t.built : fingerprint(t);
+  if (removed.empty()) return built;
+  Fnv sum;
+  sum.add(built, std::vector<Index>(removed.begin(), removed.end()));
   return sum.value();
 }
 

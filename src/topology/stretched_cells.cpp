@@ -37,7 +37,7 @@ std::vector<std::string> notes_on_stretched_cells(const Model& model) {
   std::vector<Mat3> around(model.rest.size(), Mat3::Zero());
   std::vector<double> volume(model.rest.size(), 0.0), ratios(model.rest.size(), 1.0);
   for (const Cell& cell : model.cells) {
-    if (!is_solid(model.dimension, cell.type) || cell.material < 0) continue;
+    if (!is_solid(model.dimension, cell) || cell.material < 0) continue;
     const double measure = std::abs(signed_measure(model.dimension, cell, model.rest));
     const Mat3 of_cell = measure * spread(cell, model.rest);
     for (const Index i : cell.particles) {

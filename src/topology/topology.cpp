@@ -76,6 +76,7 @@ std::string how_to_get_bases(const Model& model, BaseSelection bases) {
 }
 
 void treat_sparse(const Model& model, std::vector<Index> sparse, TopologyTextures& topology) {
+  std::erase_if(sparse, [&](Index i) { return model.mass[i] == 0.0; });  // removed
   if (sparse.empty()) return;
   const std::vector<char> without_tissue = particles_without_tissue(model);
   std::erase_if(sparse, [&](Index i) { return without_tissue[i] != 0; });

@@ -16,8 +16,9 @@ namespace {
 std::uint64_t of_cells(const Model& model) {
   Fnv sum;
   for (const Cell& cell : model.cells) {
-    if (!is_solid(model.dimension, cell.type)) continue;
+    if (!is_solid(model.dimension, cell)) continue;
     sum.add(cell.type, std::uint64_t{cell.particles.size()}, cell.particles);  // sizes as wide on every system
+    if (cell.share != 1.0) sum.add(cell.share);
   }
   return sum.value();
 }
@@ -49,7 +50,7 @@ std::uint64_t of_materials(const Model& model) {
     hashes.push_back(one.value());
   }
   for (const Cell& cell : model.cells) {
-    if (!is_solid(model.dimension, cell.type)) continue;
+    if (!is_solid(model.dimension, cell)) continue;
     const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < hashes.size();
     sum.add(known ? hashes[cell.material] : std::uint64_t{0});
     if (known && model.materials[cell.material].fibre_ratio > 1.0) sum.add(cell.fibre);

@@ -36,7 +36,8 @@ std::vector<Face> faces_of(const Model& model) {
   std::vector<Face> faces;
   if (model.dimension == 2) {
     for (const Cell& cell : model.cells) {
-      if (cell.type == CellType::triangle || cell.type == CellType::quad) faces.push_back(face_of(cell.particles));
+      if (cell.share > 0.0 && (cell.type == CellType::triangle || cell.type == CellType::quad))
+        faces.push_back(face_of(cell.particles));
     }
     return faces;
   }

@@ -24,6 +24,52 @@ constexpr double own_caches = 16e6;
 
 using LinkRow = std::array<float, 4>;
 
+LinkRow row_of(const Vec3& area, double stiffness) {
+  // Equal rows must have equal bytes: + 0 turns -0 into 0.
+  return {narrow(area.x()) + 0.0f, narrow(area.y()) + 0.0f, narrow(area.z()) + 0.0f, narrow(stiffness)};
+}
+
+/// Domains that d is linked with, with C_de and C_ed; where that is not zero also d itself.
+struct Link {
+  Index domain;
+  Vec3 there, back;
+  double stiffness;
+};
+
+void find_links(const TopologyTextures& t, Index d, std::vector<Link>& all) {
+  constexpr double rounding = 1e-11;  // of a stiffness that is zero by symmetry, as along the edges of cubes
+  all.clear();
+  double stiffest = 0.0;
+  for (const LinkTexel& link : t.links_of(d)) stiffest = std::max(stiffest, std::abs(link.stiffness));
+  for (const LinkTexel& link : t.links_of(d)) {
+    const double stiffness = std::abs(link.stiffness) > rounding * stiffest ? link.stiffness : 0.0;
+    all.push_back({d + link.offset, link.area, -link.area, stiffness});
+  }
+  for (const SurfaceLinkTexel& surface : t.surface_links_of(d)) {
+    auto known = std::ranges::find(all, d + surface.offset, &Link::domain);
+    if (known == all.end()) known = all.insert(known, {d + surface.offset, Vec3::Zero(), Vec3::Zero(), 0.0});
+    known->there += surface.area;
+    known->back += surface.area;
+  }
+}
+
+/// By slot, of even number: a link to itself that does nothing makes it so.
+void find_even_links(const TopologyTextures& t, Index d, std::vector<Link>& all) {
+  find_links(t, d, all);
+  if (all.size() % 2 == 1) all.push_back({d, Vec3::Zero(), Vec3::Zero(), 0.0});
+}
+
+void put_constants(const TopologyTextures& t, Index d, std::int32_t place, PackedAverages& to) {
+  const std::size_t constants = kind_of(t.options.strain_energy).constants;
+  const auto lanes = static_cast<std::size_t>(to.lanes), at = static_cast<std::size_t>(place);
+  const auto put = [&](std::size_t column, double value) {
+    to.constants[(at / lanes * (2 + constants) + column) * lanes + at % lanes] = narrow(value);
+  };
+  put(0, t.domains[d].inverse_volume);
+  put(1, t.domains[d].spread_stiffness);
+  for (std::size_t k = 0; k < constants; ++k) put(2 + k, t.energy_of(d)[k]);
+}
+
 class AveragesPacker {
  public:
   AveragesPacker(const TopologyTextures& t, const std::vector<Index>& order, std::int32_t places, int lanes,
@@ -53,15 +99,15 @@ class AveragesPacker {
       links += static_cast<std::size_t>(std::max(domain.link_count, domain.surface_link_count)) + 1;
     }
     require_offsets(links, std::numeric_limits<std::int32_t>::max() / 4);
-    to_.first_link.push_back(0);
     for (const Index d : domain_of_quad_) {
+      to_.link_range.push_back(static_cast<std::int32_t>(to_.link.size()));
       if (d != none) {
         add_links(d);
       } else {
         to_.stress_row.push_back(0);
         to_.force_row.push_back(0);
       }
-      to_.first_link.push_back(static_cast<std::int32_t>(to_.link.size()));
+      to_.link_range.push_back(static_cast<std::int32_t>(to_.link.size()));
     }
     to_.link.resize(to_.link.size() + simd::links_ahead, 0);
   }
@@ -96,13 +142,6 @@ class AveragesPacker {
     }
   }
 
-  /// Domains that d is linked with, with C_de and C_ed; where that is not zero also d itself.
-  struct Link {
-    Index domain;
-    Vec3 there, back;
-    double stiffness;
-  };
-
   /// Whether runs are worth it.
   bool pack_runs() {
     constexpr std::int32_t trial = 1024;  // slots, after each of which a body that is no lattice may be given up
@@ -113,7 +152,7 @@ class AveragesPacker {
       const Index d = domain_of_quad_[simd::quad_of(place, lanes_)];
       links.clear();
       if (d != none) {
-        find_links(d);
+        find_links(t_, d, all_);
         for (const Link& link : all_) {
           const LinkRow there = row_of(link.there, link.stiffness), back = row_of(-link.back, 0.0);
           links.push_back({{there[0], there[1], there[2]},
@@ -128,26 +167,8 @@ class AveragesPacker {
     return packer.worthwhile();
   }
 
-  void find_links(Index d) {
-    constexpr double rounding = 1e-11;  // of a stiffness that is zero by symmetry, as along the edges of cubes
-    all_.clear();
-    double stiffest = 0.0;
-    for (const LinkTexel& link : t_.links_of(d)) stiffest = std::max(stiffest, std::abs(link.stiffness));
-    for (const LinkTexel& link : t_.links_of(d)) {
-      const double stiffness = std::abs(link.stiffness) > rounding * stiffest ? link.stiffness : 0.0;
-      all_.push_back({d + link.offset, link.area, -link.area, stiffness});
-    }
-    for (const SurfaceLinkTexel& surface : t_.surface_links_of(d)) {
-      auto known = std::ranges::find(all_, d + surface.offset, &Link::domain);
-      if (known == all_.end()) known = all_.insert(known, {d + surface.offset, Vec3::Zero(), Vec3::Zero(), 0.0});
-      known->there += surface.area;
-      known->back += surface.area;
-    }
-  }
-
   void add_links(Index d) {
-    find_links(d);
-    if (all_.size() % 2 == 1) all_.push_back({d, Vec3::Zero(), Vec3::Zero(), 0.0});
+    find_even_links(t_, d, all_);
     stress_.clear();
     force_.clear();
     for (const Link& link : all_) {
@@ -157,11 +178,6 @@ class AveragesPacker {
     }
     to_.stress_row.push_back(first_row_of(stress_));
     to_.force_row.push_back(first_row_of(force_));
-  }
-
-  static LinkRow row_of(const Vec3& area, double stiffness) {
-    // Equal rows must have equal bytes: + 0 turns -0 into 0.
-    return {narrow(area.x()) + 0.0f, narrow(area.y()) + 0.0f, narrow(area.z()) + 0.0f, narrow(stiffness)};
   }
 
   std::int32_t first_row_of(const std::vector<LinkRow>& rows) {
@@ -178,19 +194,10 @@ class AveragesPacker {
   }
 
   void add_constants() {
-    const std::size_t constants = kind_of(t_.options.strain_energy).constants, columns = 2 + constants;
-    to_.constants.assign(columns * static_cast<std::size_t>(to_.slots), 0.0f);
+    to_.constants.assign((2 + kind_of(t_.options.strain_energy).constants) * static_cast<std::size_t>(to_.slots), 0.0f);
     for (std::int32_t place = 0; place < to_.slots; ++place) {
       const Index d = domain_of_quad_[simd::quad_of(place, lanes_)];
-      if (d == none) continue;
-      const DomainTexel& domain = t_.domains[d];
-      const auto slice = static_cast<std::size_t>(place / lanes_), lane = static_cast<std::size_t>(place % lanes_);
-      const auto put = [&](std::size_t column, double value) {
-        to_.constants[(slice * columns + column) * static_cast<std::size_t>(lanes_) + lane] = narrow(value);
-      };
-      put(0, domain.inverse_volume);
-      put(1, domain.spread_stiffness);
-      for (std::size_t k = 0; k < constants; ++k) put(2 + k, t_.energy_of(d)[k]);
+      if (d != none) put_constants(t_, d, place, to_);
     }
   }
 
@@ -213,7 +220,7 @@ simd::Averaged PackedAverages::job(char* u, char* stress, char* force) const {
           .stress = stress,
           .force = force,
           .constants = constants.data(),
-          .first_link = first_link.data(),
+          .link_range = link_range.data(),
           .link = link.data(),
           .stress_row = stress_row.data(),
           .force_row = force_row.data(),
@@ -254,7 +261,7 @@ double PackedAverages::cost() const {
 
 double PackedAverages::bytes() const {
   const double passes = 2.0;
-  const auto words = static_cast<double>(first_link.size() + link.size() + stress_row.size() + links.size());
+  const auto words = static_cast<double>(link_range.size() + link.size() + stress_row.size() + links.size());
   const double force = 16.0;  // it and stresses or components are both written and read
   return 4.0 * (passes * words + static_cast<double>(constants.size()) + 2.0 * static_cast<double>(stress_floats())) +
          2.0 * slots * force;
@@ -264,7 +271,9 @@ std::vector<int> PackedAverages::shared_out(int parts) const {
   std::vector<int> first{0};
   const auto work = [&](int slice) {
     const std::size_t slot = static_cast<std::size_t>(slice) * lanes;
-    return runs.empty() ? static_cast<double>(first_link[slot]) + 5.0 * static_cast<double>(slot) : slice;
+    if (slice == slices())
+      return runs.empty() ? static_cast<double>(link.size()) + 5.0 * static_cast<double>(slot) : slice;
+    return runs.empty() ? static_cast<double>(link_range[2 * slot]) + 5.0 * static_cast<double>(slot) : slice;
   };
   for (int slice = 0; slice < slices(); ++slice) {
     while (static_cast<int>(first.size()) < parts &&
@@ -274,6 +283,46 @@ std::vector<int> PackedAverages::shared_out(int parts) const {
   }
   first.resize(static_cast<std::size_t>(parts) + 1, slices());
   return first;
+}
+
+void PackedAverages::edit(const TopologyTextures& topology, std::span<const Index> domains) {
+  if (rooms.empty()) {
+    rooms.resize(static_cast<std::size_t>(slots));
+    for (std::size_t q = 0; q < rooms.size(); ++q) rooms[q].offsets = link_range[2 * q + 1] - link_range[2 * q];
+    place_of_domain.assign(topology.domains.size(), -1);
+    for (std::int32_t place = 0; place < slots; ++place) {
+      if (domain_of_place[place] != none) place_of_domain[domain_of_place[place]] = place;
+    }
+  }
+  std::vector<Link> all;
+  for (const Index d : domains) {
+    put_constants(topology, d, place_of_domain[d], *this);
+    const auto q = static_cast<std::size_t>(simd::quad_of(place_of_domain[d], lanes));
+    find_even_links(topology, d, all);
+    const auto count = static_cast<std::int32_t>(all.size());
+    Room& room = rooms[q];
+    if (count > room.offsets) {
+      link_range[2 * q] = static_cast<std::int32_t>(link.size()) - simd::links_ahead;
+      link.resize(link.size() + all.size(), 0);
+      room.offsets = count;
+    }
+    if (count > room.rows) {
+      room.first = static_cast<std::int32_t>(links.size() / 4);
+      room.rows = std::max(count, room.offsets);
+      links.resize(links.size() + 8 * static_cast<std::size_t>(room.rows), 0.0f);
+    }
+    const std::int32_t first = link_range[2 * q];
+    link_range[2 * q + 1] = first + count;
+    stress_row[q] = room.first;
+    force_row[q] = room.first + room.rows;
+    for (std::int32_t k = 0; k < count; ++k) {
+      const Link& own = all[static_cast<std::size_t>(k)];
+      link[static_cast<std::size_t>(first + k)] = 16 * simd::quad_of(place_of_domain[own.domain], lanes);
+      const LinkRow there = row_of(own.there, own.stiffness), back = row_of(-own.back, own.stiffness);
+      std::ranges::copy(there, links.begin() + 4 * std::ptrdiff_t{room.first + k});
+      std::ranges::copy(back, links.begin() + 4 * std::ptrdiff_t{room.first + room.rows + k});
+    }
+  }
 }
 
 PackedAverages pack_averages(const TopologyTextures& topology, const std::vector<Index>& order, std::int32_t places,

@@ -5,6 +5,7 @@
 
 #include <phymul/topology_textures.h>
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,10 +22,17 @@ struct PackedAverages {
   /// Quads of further domains of a particle: (its own, the domain's). Each step copies displacements there, and adds
   /// forces from there.
   std::vector<std::pair<std::int32_t, std::int32_t>> further;
-  Offsets first_link, link, stress_row, force_row;
+  Offsets link_range, link, stress_row, force_row;
   Floats constants, links;
   PackedRuns runs;                     ///< in place of links
   std::vector<Index> domain_of_place;  ///< [slots] row of TopologyTextures::domains, none where there is no domain
+  /// Of edits; empty before the first one.
+  std::vector<std::int32_t> place_of_domain;
+  struct Room {
+    std::int32_t offsets = 0;          ///< of `link`, from the slot's first
+    std::int32_t first = 0, rows = 0;  ///< of `links`, for either pass; rows 0: those that slots may share
+  };
+  std::vector<Room> rooms;  ///< [slots]
 
   std::size_t stress_floats() const;  ///< of what job() takes for stresses
   int slices() const { return lanes > 0 ? slots / lanes : 0; }
@@ -32,8 +40,10 @@ struct PackedAverages {
   void copy_displacements(char* u) const;
   void gather_forces(char* force) const;
   void gather_forces(char* force, int first, int last) const;  ///< of these rows of `further`
-  double cost() const;                                         ///< ns per step, rough
-  double bytes() const;                                        ///< that a step reads and writes, beside displacements
+  /// Takes over what changed of these domains. Not for runs.
+  void edit(const TopologyTextures& topology, std::span<const Index> domains);
+  double cost() const;   ///< ns per step, rough
+  double bytes() const;  ///< that a step reads and writes, beside displacements
 
   /// Slices at which `parts` threads begin, [parts + 1], about as many links each.
   std::vector<int> shared_out(int parts) const;

@@ -87,7 +87,8 @@ class BodyPacker {
     body_.inverse_mass = body_.mass;
     for (std::size_t place = 0; place < order.size(); ++place) {
       body_.mass[place] = narrow(t_.mass[order[place]]);
-      body_.inverse_mass[place] = narrow(1.0 / t_.mass[order[place]]);
+      const double m = t_.mass[order[place]];
+      body_.inverse_mass[place] = m > 0.0 ? narrow(1.0 / m) : 0.0f;
     }
   }
 
@@ -213,7 +214,20 @@ std::size_t PackedBody::most_slots() const {
   return static_cast<std::size_t>(most);
 }
 
-std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes) {
+bool PackedBody::edit(const TopologyTextures& topology, std::span<const Index> domains) {
+  const bool anew = !averages.runs.empty();
+  if (anew) averages = pack_averages(topology, order, places, lanes, AveragedLinks::by_slot);
+  averages.edit(topology, domains);
+  for (const Index d : domains) {
+    const Index i = topology.domains[d].particle;
+    const auto place = static_cast<std::size_t>(averages.place_of_domain[topology.first_domain[i]]);
+    mass[place] = narrow(topology.mass[i]);
+    inverse_mass[place] = topology.mass[i] > 0.0 ? narrow(1.0 / topology.mass[i]) : 0.0f;
+  }
+  return anew;
+}
+
+std::unique_ptr<PackedBody> make_packed_body(const TopologyTextures& topology, int lanes) {
   require_bases_in_range(topology);
   auto body = std::make_unique<PackedBody>();
   body->lanes = lanes;

@@ -53,6 +53,9 @@ struct PackedBody {
   /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
   bool pushes() const { return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty()); }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
+  /// Takes over what changed of these domains, of Law::particle_averaged, and of the masses of their particles. Whether
+  /// all was packed anew, because links went by runs; places stay.
+  bool edit(const TopologyTextures& topology, std::span<const Index> domains);
   bool averaged() const { return averages.slots > 0; }
   double cost() const;  ///< ns per step, rough
   /// Threads for a step: as many as asked for, or for 0 as the machine has and the work is worth. No more than a host
@@ -63,6 +66,6 @@ struct PackedBody {
 };
 
 /// Throws Error where a constant is not a float or an offset not 32 bits.
-std::unique_ptr<const PackedBody> make_packed_body(const TopologyTextures& topology, int lanes);
+std::unique_ptr<PackedBody> make_packed_body(const TopologyTextures& topology, int lanes);
 
 }  // namespace phymul::cpu

@@ -131,6 +131,22 @@ class SimdSolver final : public SolverBackend {
     follow_scene_parts();
   }
 
+  void do_body_changed(std::span<const Index> domains) override {
+    if (body_->edit(topology(), domains)) {
+      averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
+    }
+    for (const Index d : domains) {
+      const Index i = topology().domains[d].particle;
+      if (topology().mass[i] > 0.0) continue;
+      const auto place = static_cast<std::size_t>(body_->averages.place_of_domain[topology().first_domain[i]]);
+      for (int a = 0; a < 3; ++a) {
+        u_[4 * body_->quad_of(place) + a] = next_u_[4 * body_->quad_of(place) + a] = 0.0f;
+        v_[velocity_at(*body_, place, a)] = 0.0f;
+      }
+    }
+    if (sleep_) sleep_->wake_all();
+  }
+
   void follow_scene_parts() {
     if (averaged_) averaged_->scale(topology(), scene().stiffness_factors());
     tools_.follow(scene(), frame().fixed);
@@ -347,7 +363,7 @@ class SimdSolver final : public SolverBackend {
   }
 
   const simd::Kernels& kernels_;
-  std::unique_ptr<const PackedBody> body_;
+  std::unique_ptr<PackedBody> body_;
   PackedLoads loads_;
   ThreadPool pool_;
   PackedTools tools_;

@@ -112,7 +112,7 @@ PHYMUL_INLINE Wide link_sum(const simd::Averaged& body, std::int64_t q, const st
                             const Gathered& gathered) {
   Wide even = zero_wide(), odd = zero_wide();
   const float* constants = body.links + 4 * static_cast<std::int64_t>(rows[q]);
-  const std::int32_t *link = body.link + body.first_link[q], *last = body.link + body.first_link[q + 1];
+  const std::int32_t *link = body.link + body.link_range[2 * q], *last = body.link + body.link_range[2 * q + 1];
   for (; link < last; link += 2, constants += 8) {
     if (body.far) {
       PHYMUL_PREFETCH(constants + 4 * simd::links_ahead);

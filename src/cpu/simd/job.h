@@ -129,7 +129,7 @@ struct Averaged {
   char* stress = nullptr;                    ///< [slots][4] quads: columns of Q, Pa, and zeros
   char* force = nullptr;                     ///< [slots] N
   const float* constants = nullptr;          ///< [slices][2 + constants][lanes] 1/V, s mu, those of the energy
-  const std::int32_t* first_link = nullptr;  ///< [slots + 1] of `link`; even numbers of each slot
+  const std::int32_t* link_range = nullptr;  ///< [slots][2] first and end in `link`; even numbers of each slot
   const std::int32_t* link = nullptr;        ///< byte offset of the other slot in `u`; `links_ahead` more at the end
   /// [slots] row of the first link in `links`, for either pass: C_de, m^2, and k, N/m; -C_ed and k. Inside a body these
   /// are the same, and equal ones are there once.

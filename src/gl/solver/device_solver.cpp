@@ -45,9 +45,10 @@ DeviceSolver::~DeviceSolver() {
   drop();
 }
 
-/// Not in order on a device: needles, surfaces under tools. Not by fragments, 83 to 109 draws a step: contacts.
+/// Not in order on a device: needles, surfaces under tools. Not by fragments, 83 to 109 draws a step: contacts. And
+/// not tabled there: which volumes an edit of the body has opened.
 bool DeviceSolver::acts_on_host() const {
-  return (backend_ == GlBackend::fragment && scene().contacts()) ||
+  return (backend_ == GlBackend::fragment && scene().contacts()) || scene().any_volume_open() ||
          std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
            return own.tool.contact == ToolContact::surface || std::holds_alternative<Needle>(own.tool.shape);
          });
@@ -103,6 +104,21 @@ void DeviceSolver::drop() noexcept {
   } catch (...) {
     static_cast<void>(device_.release());
   }
+}
+
+/// All tables are made and sent anew.
+void DeviceSolver::do_body_changed(std::span<const Index> domains) {
+  Snapshot now;
+  do_snapshot(now);
+  for (const Index d : domains) {
+    const auto i = static_cast<std::size_t>(topology().domains[d].particle);
+    if (topology().mass[i] > 0.0) continue;
+    now.state.position[i] = topology().rest[i];
+    now.state.velocity[i] = now.displacement[i] = Vec3::Zero();
+  }
+  drop();
+  build();
+  do_restore(now);
 }
 
 void DeviceSolver::rebuild() {

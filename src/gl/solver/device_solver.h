@@ -40,6 +40,7 @@ class DeviceSolver final : public SolverBackend {
 
   void do_reset(const State& state) override;
   void do_scene_changed() override { progress_.steps_at_rest = 0; }
+  void do_body_changed(std::span<const Index> domains) override;
   Motion do_step(const StepPlan& plan) override;
   void do_read(State& state) const override;
   Energy do_energy() const override;

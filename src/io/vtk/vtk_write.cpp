@@ -74,12 +74,13 @@ void require_sizes(const Model& model, const State& state, const std::vector<Fie
   }
 }
 
-/// Cells of the model, or a vertex per particle where it has none.
-std::string cell_arrays(const Model& model, AppendedArrays& arrays) {
+/// Cells of the model but those that are removed, or a vertex per particle where it has none. `count`: of them.
+std::string cell_arrays(const Model& model, AppendedArrays& arrays, std::size_t& count) {
   std::vector<std::int32_t> connectivity;
   std::vector<std::int64_t> offsets;
   std::vector<std::uint8_t> types;
   for (const Cell& cell : model.cells) {
+    if (cell.share == 0.0) continue;
     const std::vector<Index> particles = vtk_order(cell);
     connectivity.insert(connectivity.end(), particles.begin(), particles.end());
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
@@ -92,6 +93,7 @@ std::string cell_arrays(const Model& model, AppendedArrays& arrays) {
       types.push_back(vtk_type(CellType::atom));
     }
   }
+  count = types.size();
   std::string xml = "      <Cells>\n";
   arrays.add(xml, "Int32", "connectivity", 1, connectivity);
   arrays.add(xml, "Int64", "offsets", 1, offsets);
@@ -135,9 +137,9 @@ void write_vtu(const Model& model, const State& state, const std::string& path, 
   require_sizes(model, state, fields, path);
   AppendedArrays arrays;
   const std::string points = point_arrays(model, state, fields, arrays);
-  const std::string cells = cell_arrays(model, arrays);
+  std::size_t cell_count = 0;
+  const std::string cells = cell_arrays(model, arrays, cell_count);
   const char* byte_order = std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
-  const std::size_t cell_count = model.cells.empty() ? model.rest.size() : model.cells.size();
 
   // Numbers as strings: a stream would write them in the way of the global locale.
   replace_file(path, [&](std::ostream& out) {

@@ -91,7 +91,7 @@ void Prober::choose_points(const Model& model) {
   }
   // Between its particles a body is less accurate than at them.
   for (const Cell& cell : model.cells) {
-    if (!is_volume(cell.type)) continue;
+    if (!is_volume(cell.type) || cell.share == 0.0) continue;
     Vec3 centre = Vec3::Zero();
     for (const Index i : cell.particles) centre += model.rest[i] / static_cast<double>(cell.particles.size());
     points_.push_back(centre);

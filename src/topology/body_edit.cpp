@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT
+#include "body_edit.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "domain_links.h"
+#include "energies.h"
+#include "model/body_type.h"
+#include "model/cell_geometry.h"
+#include "model/point_cells.h"
+
+namespace phymul {
+namespace {
+
+/// By which the largest eigenvalue may have grown more than own blocks say: 1.37 where cells of blocks and organs were
+/// removed at random and in lumps, up to a third of them (docs/measurements/edits.md).
+constexpr double beyond_own_blocks = 1.5;
+
+bool has_material(const Model& model, const Cell& cell) {
+  return cell.material >= 0 && is_solid(model.dimension, cell.type);
+}
+
+template <class T>
+void sort_unique(std::vector<T>& list) {
+  std::ranges::sort(list);
+  const auto again = std::ranges::unique(list);
+  list.erase(again.begin(), again.end());
+}
+
+}  // namespace
+
+BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), topology_(topology) {
+  if (topology.domains.empty() || is_body_of_points(model)) {
+    throw Error(ErrorCode::not_supported,
+                "remove_cells: expected a body of cells with a material (set_material), got one without");
+  }
+  std::vector<std::vector<Index>> rows(model.rest.size());
+  mass_of_corner_.assign(model.cells.size(), 0.0);
+  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+    if (!has_material(model, model.cells[row])) continue;
+    ++cell_count_;
+    Cell whole = model.cells[row];
+    whole.share = 1.0;
+    mass_of_corner_[row] = model.materials[whole.material].density *
+                           signed_measure(model.dimension, whole, model.rest) /
+                           static_cast<double>(whole.particles.size());
+    for (const Index i : model.cells[row].particles) {
+      if (rows[i].empty() || rows[i].back() != row) rows[i].push_back(row);
+    }
+  }
+  for (const auto& row : rows) cells_of_.push_row(row.begin(), row.end());
+  mass_ = model.mass;
+  lumped_.resize(mass_.size());
+  for (Index i = 0; i < model.particle_count(); ++i) lumped_[i] = lumped_mass(i);
+  for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) modulus_.push_back(modulus_of(d));
+  rate_.assign(mass_.size(), 0.0);
+  for (Index i = 0; i < model.particle_count(); ++i) find_rate(i);
+  largest_rate_ = std::ranges::max(rate_);
+  room_.resize(topology.domains.size());
+  surface_room_.resize(room_.size());
+  place_of_.assign(room_.size(), none);
+  topology.built = fingerprint(topology);
+}
+
+void BodyEdit::require_cell(Index cell) const {
+  const auto count = static_cast<Index>(model_.cells.size());
+  if (cell < 0 || cell >= count) {
+    throw Error("remove_cells: expected rows of Model::cells from 0 to " + std::to_string(count - 1) + ", got " +
+                std::to_string(cell));
+  }
+  if (has_material(model_, model_.cells[cell])) return;
+  throw Error("remove_cells: expected cells that fill space and have a material; " +
+              cell_label(model_, static_cast<std::size_t>(cell)) + " is none");
+}
+
+void BodyEdit::set_shares(std::span<const Index> cells, double share) {
+  for (const Index cell : cells) require_cell(cell);
+  std::vector<Index> changed, particles, domains;
+  for (const Index row : cells) {
+    if (model_.cells[row].share != share) changed.push_back(row);
+  }
+  sort_unique(changed);
+  for (const Index row : changed) {
+    const Cell& cell = model_.cells[row];
+    for (const Index i : cell.particles) {
+      particles.push_back(i);
+      domains.push_back(domain_of(i, cell.material));
+    }
+  }
+  if (changed.empty()) return;
+  if (share == 0.0 && topology_.removed.size() + changed.size() == cell_count_) {
+    throw Error("remove_cells: expected some cell of the body to be left, got all of them");
+  }
+  sort_unique(particles);
+  sort_unique(domains);
+  topology_.edited.reserve(topology_.edited.size() + domains.size());
+  for (const Index row : changed) {
+    model_.cells[row].share = share;
+    const auto at = std::ranges::lower_bound(topology_.removed, row);
+    if (share == 0.0) {
+      topology_.removed.insert(at, row);
+    } else {
+      topology_.removed.erase(at);
+    }
+  }
+  for (const Index d : domains) {
+    integrate(d);
+    write(d);
+  }
+  for (const Index i : particles) weigh(i);
+  const std::size_t corners = particles.size();
+  for (const Index d : domains) {
+    for (const LinkTexel& link : topology_.links_of(d)) {
+      particles.push_back(topology_.domains[d + link.offset].particle);
+    }
+  }
+  std::ranges::sort(particles.begin() + static_cast<std::ptrdiff_t>(corners), particles.end());
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    if (k <= corners || particles[k] != particles[k - 1]) find_rate(particles[k]);
+  }
+  const double growth = largest_rate_ > 0.0 ? std::ranges::max(rate_) / largest_rate_ : 1.0;
+  topology_.stiffened = topology_.removed.empty() ? 1.0 : beyond_own_blocks * std::max(1.0, growth);
+  topology_.edited.insert(topology_.edited.end(), domains.begin(), domains.end());
+  topology_.model.reset();
+}
+
+Index BodyEdit::domain_of(Index particle, Index material) const {
+  Index d = topology_.first_domain[particle];
+  while (topology_.domains[d].material != material) ++d;
+  return d;
+}
+
+/// kg, of a particle: density times its share of the volume of its cells.
+double BodyEdit::lumped_mass(Index particle) const {
+  double sum = 0.0;
+  for (const Index* row = cells_of_.begin(particle); row != cells_of_.end(particle); ++row) {
+    const Cell& cell = model_.cells[*row];
+    if (cell.share > 0.0) sum += mass_of_corner_[*row];
+  }
+  return sum;
+}
+
+/// Pa, of uniaxial strain, less what the second term of the energy takes from the mean.
+double BodyEdit::modulus_of(Index domain) const {
+  const Material& m = model_.materials[topology_.domains[domain].material];
+  const double mu = 0.5 * m.young / (1.0 + m.poisson), lambda = 2.0 * mu * m.poisson / (1.0 - 2.0 * m.poisson);
+  return std::max(lambda + 2.0 * mu - topology_.domains[domain].spread_stiffness, mu) + (m.fibre_ratio - 1.0) * m.young;
+}
+
+/// N/m: a bound on a particle's own block of the stiffness. Each domain d whose mean F has the particle adds
+/// modulus |C_di|^2 / V_d, and links add their springs.
+double BodyEdit::own_stiffness(Index i) const {
+  double sum = 0.0;
+  for (Index d = topology_.first_domain[i]; d < topology_.first_domain[i + 1]; ++d) {
+    const auto add = [&](Index e, const Vec3& area) {
+      sum += modulus_[e] * topology_.domains[e].inverse_volume * area.squaredNorm();
+    };
+    const std::span<const SurfaceLinkTexel> surface = topology_.surface_links_of(d);
+    auto next = surface.begin();
+    for (const LinkTexel& link : topology_.links_of(d)) {
+      Vec3 area = -link.area;
+      for (; next != surface.end() && next->offset <= link.offset; ++next) {
+        if (next->offset == link.offset) area += next->area;
+        if (next->offset == 0) add(d, next->area);
+      }
+      add(d + link.offset, area);
+      sum += link.stiffness;
+    }
+    for (; next != surface.end(); ++next) add(d, next->area);
+  }
+  return sum;
+}
+
+/// Integrals over the cells of a domain that are left: volume_ and pairs_, in order of the other domains.
+void BodyEdit::integrate(Index d) {
+  const DomainTexel& domain = topology_.domains[d];
+  pairs_.clear();
+  volume_ = 0.0;
+  for (const Index* row = cells_of_.begin(domain.particle); row != cells_of_.end(domain.particle); ++row) {
+    const Cell& cell = model_.cells[*row];
+    if (cell.share == 0.0 || cell.material != domain.material) continue;
+    cell_points(model_, *row, points_);
+    const std::size_t vertices = cell.particles.size();
+    std::array<Index, 8> domains{};
+    for (std::size_t v = 0; v < vertices; ++v) domains[v] = domain_of(cell.particles[v], cell.material);
+    s_mu_.clear();
+    for (const CellPoint& point : points_) {
+      double sum = 0.0;
+      for (std::size_t v = 0; v < vertices; ++v) sum += point.value[v] * topology_.domains[domains[v]].spread_stiffness;
+      s_mu_.push_back(point.volume * sum);
+    }
+    for (std::size_t a = 0; a < vertices; ++a) {
+      if (domains[a] != d) continue;
+      for (std::size_t b = 0; b < vertices; ++b) {
+        Index& place = place_of_[domains[b]];
+        if (place == none) {
+          place = static_cast<Index>(pairs_.size());
+          pairs_.push_back({.domain = domains[b]});
+        }
+        Pair& pair = pairs_[place];
+        for (std::size_t k = 0; k < points_.size(); ++k) {
+          const CellPoint& point = points_[k];
+          pair.there += point.volume * point.value[a] * point.gradient[b];
+          pair.back += point.volume * point.value[b] * point.gradient[a];
+          pair.stiffness -= s_mu_[k] * point.gradient[a].dot(point.gradient[b]);
+        }
+      }
+      for (const CellPoint& point : points_) volume_ += point.volume * point.value[a];
+    }
+  }
+  for (const Pair& pair : pairs_) place_of_[pair.domain] = none;
+  std::ranges::sort(pairs_, {}, &Pair::domain);
+}
+
+/// The rows of a domain from its integrals. Without a cell it keeps its volume, whose energy is that of rest.
+void BodyEdit::write(Index d) {
+  DomainTexel& domain = topology_.domains[d];
+  if (volume_ > 0.0) domain.inverse_volume = 1.0 / volume_;
+  links_.clear();
+  surface_links_.clear();
+  double largest = 0.0;
+  for (const Pair& pair : pairs_) largest = std::max(largest, pair.there.cwiseAbs().maxCoeff());
+  const auto cleaned = [&](const Vec3& area) {
+    return Vec3((area.array().abs() > rounding_of_area * largest).select(area, 0.0));
+  };
+  for (const Pair& pair : pairs_) {
+    const Vec3 surface = cleaned(0.5 * (pair.there + pair.back));
+    if (surface != Vec3::Zero()) surface_links_.push_back({pair.domain - d, surface});
+    if (pair.domain != d) {
+      links_.push_back({pair.domain - d, cleaned(0.5 * (pair.there - pair.back)), pair.stiffness});
+    }
+  }
+  write_rows(links_, topology_.links, room_[d], domain.first_link, domain.link_count);
+  write_rows(surface_links_, topology_.surface_links, surface_room_[d], domain.first_surface_link,
+             domain.surface_link_count);
+  if (topology_.options.strain_energy == StrainEnergy::fibres && volume_ > 0.0) turn_fibres(d);
+}
+
+/// Domains that lie alike share rows, so that an edit gives a domain rows of its own, at the end of the table.
+template <class Link>
+void BodyEdit::write_rows(const std::vector<Link>& rows, std::vector<Link>& table, Room& room, Index& first,
+                          Index& count) {
+  const auto wanted = static_cast<Index>(rows.size());
+  if (room.first == none || wanted > room.count) {
+    room = {static_cast<Index>(table.size()), std::max(wanted, count)};
+    table.resize(table.size() + static_cast<std::size_t>(room.count));
+  }
+  std::ranges::copy(rows, table.begin() + room.first);
+  first = room.first;
+  count = wanted;
+}
+
+void BodyEdit::turn_fibres(Index d) {
+  const DomainTexel& domain = topology_.domains[d];
+  Vec3 sum = Vec3::Zero();
+  for (const Index* row = cells_of_.begin(domain.particle); row != cells_of_.end(domain.particle); ++row) {
+    const Cell& cell = model_.cells[*row];
+    if (cell.share == 0.0 || cell.material != domain.material) continue;
+    if (!(model_.materials[cell.material].fibre_ratio > 1.0)) return;
+    const Vec3 along = std::abs(signed_measure(model_.dimension, cell, model_.rest)) * cell.fibre.normalized();
+    sum += sum.dot(along) < 0.0 ? Vec3(-along) : along;
+  }
+  const EnergyConstants own =
+      energy_constants(topology_.options.strain_energy, model_.materials[domain.material], Vec3(sum.normalized()));
+  if (own == topology_.energy_of(d)) return;
+  topology_.domains[d].energy = static_cast<Index>(topology_.energies.size());
+  topology_.energies.push_back(own);
+}
+
+void BodyEdit::weigh(Index i) {
+  const double share = lumped_[i] > 0.0 ? lumped_mass(i) / lumped_[i] : 1.0;
+  double mass = share * mass_[i];
+  if (share > 0.0 && share < 1.0 && largest_rate_ > 0.0) {
+    mass = std::clamp(own_stiffness(i) / largest_rate_, mass, std::max(mass, mass_[i]));
+  }
+  model_.mass[i] = topology_.mass[i] = mass;
+}
+
+void BodyEdit::find_rate(Index i) {
+  rate_[i] = model_.mass[i] > 0.0 ? own_stiffness(i) / model_.mass[i] : 0.0;
+}
+
+}  // namespace phymul

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+//
+// Changes of a body that is there: cells are removed and brought back, in the model and in its tables at once, at a
+// cost that follows the change and not the body. Afterwards the tables are those that build_topology() makes of the
+// model with the same stabiliser, but for the order of their rows and for rounding.
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <span>
+#include <vector>
+
+#include "cell_quadrature.h"
+
+namespace phymul {
+
+class BodyEdit {
+ public:
+  /// `topology` was built from `model`; both must outlive the edit. Looks once at the whole body. Throws Error unless
+  /// the body is made of cells with materials.
+  BodyEdit(Model& model, TopologyTextures& topology);
+
+  /// Sets Cell::share of these cells, 0 or 1. The tables' lists of edits say what changed. A particle's mass is in
+  /// proportion to what its cells weigh, but not so small that it would vibrate faster than all of the body did: what
+  /// is kept for that is at most its mass at the beginning. Without a cell it is 0. Throws Error, and changes nothing,
+  /// for a row that is no cell with a material.
+  void set_shares(std::span<const Index> cells, double share);
+
+ private:
+  /// Of a domain d, by domains e: C_de, C_ed, m^2, and the stiffness of the link, N/m.
+  struct Pair {
+    Index domain;
+    Vec3 there = Vec3::Zero(), back = Vec3::Zero();
+    double stiffness = 0.0;
+  };
+  struct Room {
+    Index first = none, count = 0;  // of rows that no other domain has; none: not yet
+  };
+
+  void require_cell(Index cell) const;
+  Index domain_of(Index particle, Index material) const;
+  double lumped_mass(Index particle) const;
+  double modulus_of(Index domain) const;
+  double own_stiffness(Index particle) const;
+  void integrate(Index domain);
+  void write(Index domain);
+  template <class Link>
+  void write_rows(const std::vector<Link>& rows, std::vector<Link>& table, Room& room, Index& first, Index& count);
+  void turn_fibres(Index domain);
+  void weigh(Index particle);
+  void find_rate(Index particle);
+
+  Model& model_;
+  TopologyTextures& topology_;
+  std::size_t cell_count_ = 0;             // with a material
+  RaggedList cells_of_;                    // by particle: rows of its cells with a material, ascending
+  std::vector<double> mass_of_corner_;     // [cells] kg, of each particle's share of one
+  std::vector<double> mass_, lumped_;      // [N] kg, at the beginning: of the model, and of its cells
+  std::vector<double> modulus_;            // [D] Pa
+  std::vector<double> rate_;               // [N] 1/s^2, own_stiffness() over the mass
+  double largest_rate_ = 0.0;              // of these, at the beginning
+  std::vector<Room> room_, surface_room_;  // [D]
+  std::vector<CellPoint> points_;          // of the cell at hand
+  std::vector<double> s_mu_;               // [points_] N m, stabiliser times shear modulus times volume
+  std::vector<Pair> pairs_;                // of the domain at hand
+  double volume_ = 0.0;                    // m^3, its
+  std::vector<Index> place_of_;            // [D] in pairs_, none
+  std::vector<LinkTexel> links_;
+  std::vector<SurfaceLinkTexel> surface_links_;
+};
+
+}  // namespace phymul

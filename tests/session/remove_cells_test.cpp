@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: MIT
+//
+// Simulation::remove_cells: the body that is left against one built anew, on every backend, and what follows it.
+#include <gtest/gtest.h>
+#include <phymul/bodies.h>
+#include <phymul/elasticity.h>
+#include <phymul/load_frame.h>
+#include <phymul/monitor.h>
+#include <phymul/phymul.h>
+#include <phymul/surface.h>
+#include <phymul/topology_textures.h>
+
+#include <algorithm>
+#include <set>
+
+#include "support/bodies.h"
+#include "support/every_backend.h"
+#include "support/message_of.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+Model slab() {
+  return make_tetrahedral_block({0.06, 0.04, 0.03}, 6, 4, 3, 0.25, 7);
+}
+
+std::vector<Index> cells_within(const Model& model, const Vec3& centre, double radius) {
+  std::vector<Index> rows;
+  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+    Vec3 mean = Vec3::Zero();
+    for (const Index i : model.cells[row].particles) {
+      mean += model.rest[i] / static_cast<double>(model.cells[row].particles.size());
+    }
+    if ((mean - centre).norm() < radius) rows.push_back(row);
+  }
+  return rows;
+}
+
+SimulationOptions options_for(const std::string& backend) {
+  SimulationOptions options;
+  options.backend = backend;
+  options.material = {5e3, 0.4, 1000.0};
+  options.damping.rate = 10.0;
+  return options;
+}
+
+/// The tables of the simulation's model as it is now, with the stabiliser that the body has.
+TopologyTextures built_anew(const Simulation& sim) {
+  return build_topology(sim.model(), {.stabiliser = sim.solver().topology().options.stabiliser});
+}
+
+/// Largest difference of the elastic forces of two tables at random places, over the largest force.
+double difference_of_forces(const TopologyTextures& a, const TopologyTextures& b, const Model& model,
+                            std::uint32_t seed) {
+  VecList x = random_positions(model, 0.2, seed), of_a(x.size()), of_b(x.size());
+  elastic_forces(a, x, of_a);
+  elastic_forces(b, x, of_b);
+  double largest = 0.0, apart = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    largest = std::max(largest, of_b[i].norm());
+    apart = std::max(apart, (of_a[i] - of_b[i]).norm());
+  }
+  return apart / largest;
+}
+
+struct Kind {
+  const char* name;
+  Model model;
+};
+
+/// Tetrahedra, hexahedra (whose domains share their rows), wedges, regions of two materials, fibres, the plane.
+std::vector<Kind> kinds() {
+  std::vector<Kind> all{{"tetrahedra", slab()},
+                        {"hexahedra", make_block({0.06, 0.04, 0.03}, 6, 4, 3)},
+                        {"wedges", make_cylinder(0.02, 0.05, 3, 8, 7)},
+                        {"regions", slab()},
+                        {"fibres", slab()},
+                        {"plane", make_strip(0.06, 0.03, 8, 4)}};
+  for (Kind& kind : all) set_material(kind.model, {5e3, 0.4, 1000.0});
+  set_material(all[3].model, {2e4, 0.3, 1100.0}, [](const Vec3& x) { return x.x() > 0.03; });
+  set_material(all[4].model, {.young = 5e3, .poisson = 0.4, .density = 1000.0, .fibre_ratio = 4.0});
+  for (std::size_t row = 0; row < all[4].model.cells.size(); ++row) {
+    all[4].model.cells[row].fibre = row % 2 == 0 ? Vec3(1, 0, 0) : Vec3(1, 0.5, 0);
+  }
+  return all;
+}
+
+TEST(RemoveCells, LeaveTheTablesOfABodyBuiltAnew) {
+  for (Kind& kind : kinds()) {
+    SCOPED_TRACE(kind.name);
+    const bool regions = std::string(kind.name) == "regions", mixed = std::string(kind.name) == "wedges";
+    SimulationOptions options;
+    if (regions || mixed) options.topology.stabiliser = 0.4;
+    Simulation sim(kind.model, options);
+    const std::uint64_t before = sim.solver().topology_hash();
+    std::mt19937 bits(3);
+    const auto count = static_cast<Index>(kind.model.cells.size());
+    std::vector<Index> some;
+    for (Index k = 0; k < count / 4; ++k) some.push_back(static_cast<Index>(bits() % count));
+    sim.remove_cells(some);
+    sim.remove_cells(std::vector<Index>{some.front(), 0, 1});
+    const TopologyTextures anew = built_anew(sim);
+    EXPECT_LT(difference_of_forces(sim.solver().topology(), anew, sim.model(), 5), 1e-12);
+    EXPECT_EQ(sim.solver().topology().mass, anew.mass);
+    EXPECT_NE(sim.solver().topology_hash(), before);
+    const double left = volume(sim.model(), sim.model().rest) / volume(kind.model, kind.model.rest);
+    EXPECT_LT(left, 0.85);
+    EXPECT_NEAR(total_mass(sim.model()) / total_mass(kind.model), left, regions ? 0.03 : 0.015);
+  }
+}
+
+TEST(RemoveCells, OneByOneLeaveNoStaleRow) {
+  Simulation sim(slab(), options_for("reference"));
+  const Snapshot whole = sim.snapshot();
+  std::mt19937 bits(11);
+  const auto count = static_cast<Index>(sim.model().cells.size());
+  Snapshot between = whole;
+  for (int edit = 1; edit <= 10'000; ++edit) {
+    if (edit % 350 == 0) sim.restore(edit % 700 == 0 ? whole : between);
+    if (edit % 350 == 200) between = sim.snapshot();
+    sim.remove_cells(std::vector<Index>{static_cast<Index>(bits() % count)});
+    if (edit % 100 != 0) continue;
+    ASSERT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model(), 5), 1e-12) << edit;
+  }
+  sim.restore(whole);
+  EXPECT_EQ(sim.solver().topology_hash(), whole.topology_hash);
+  Model fresh = slab();
+  set_material(fresh, options_for("").material);
+  EXPECT_EQ(sim.model().mass, fresh.mass);
+  EXPECT_LT(difference_of_forces(sim.solver().topology(), build_topology(fresh), fresh, 5), 1e-13);
+}
+
+class RemoveCellsOn : public OnEveryBackend {};
+
+/// In single precision a force is off by rounding of sums of its size; so many steps add up.
+TEST_P(RemoveCellsOn, MovesOnAsABodyBuiltAnew) {
+  for (const bool lattice : {false, true}) {
+    SCOPED_TRACE(lattice);
+    Simulation sim(lattice ? make_block({0.06, 0.04, 0.03}, 6, 4, 3) : slab(), options_for(GetParam()));
+    sim.scene().fix("x0").gravity({0, 0, -9.81});
+    ASSERT_TRUE(sim.advance(0.05).ok());
+    sim.remove_cells(cells_within(sim.model(), {0.04, 0.02, 0.03}, 0.014));
+    sim.remove_cells(cells_within(sim.model(), {0.06, 0.04, 0.0}, 0.012));
+    ASSERT_FALSE(sim.removed_cells().empty());
+    const auto gone = std::ranges::count(sim.model().mass, 0.0);
+    EXPECT_GT(gone, 0);
+
+    const Model left = sim.model();
+    Scene scene(left);
+    scene.fix("x0").gravity({0, 0, -9.81});
+    SolverOptions options;
+    options.damping = sim.solver().options().damping;
+    const auto anew =
+        make_solver("reference", std::make_shared<const TopologyTextures>(built_anew(sim)), scene, options);
+    anew->reset(sim.solver().read());
+    const double dt = 0.4 * sim.solver().stable_step();
+    ASSERT_TRUE(sim.step(200, dt).ok());
+    ASSERT_TRUE(anew->step(200, dt).ok());
+    const State own = sim.solver().read(), other = anew->read();
+    double apart = 0.0, moved = 0.0;
+    for (std::size_t i = 0; i < own.position.size(); ++i) {
+      apart = std::max(apart, (own.position[i] - other.position[i]).norm());
+      moved = std::max(moved, (other.position[i] - left.rest[i]).norm());
+      if (left.mass[i] == 0.0) {
+        EXPECT_EQ(own.position[i], left.rest[i]);
+        EXPECT_EQ(own.velocity[i], Vec3::Zero());
+      }
+    }
+    EXPECT_GT(moved, 1e-3);
+    EXPECT_LT(apart, GetParam() == "reference" ? 1e-12 * moved : 2e-5 * moved);
+  }
+}
+
+TEST_P(RemoveCellsOn, AreUndoneBitForBit) {
+  Simulation sim(slab(), options_for(GetParam()));
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  ASSERT_TRUE(sim.advance(0.03).ok());
+  const Snapshot before = sim.snapshot();
+  const double dt = 0.4 * sim.solver().stable_step();
+  ASSERT_TRUE(sim.step(50, dt).ok());
+  const State whole = sim.solver().read();
+  sim.restore(before);
+  sim.remove_cells(cells_within(sim.model(), {0.04, 0.02, 0.03}, 0.014));
+  const Snapshot cut = sim.snapshot();
+  ASSERT_TRUE(sim.step(50, dt).ok());
+  const State part = sim.solver().read();
+  EXPECT_NE(part.position, whole.position);
+  sim.restore(before);
+  EXPECT_TRUE(sim.removed_cells().empty());
+  ASSERT_TRUE(sim.step(50, dt).ok());
+  EXPECT_EQ(sim.solver().read().position, whole.position);
+  sim.restore(cut);
+  ASSERT_TRUE(sim.step(50, dt).ok());
+  EXPECT_EQ(sim.solver().read().position, part.position);
+}
+
+TEST_P(RemoveCellsOn, AreReplayed) {
+  const auto scene_of = [](Simulation& sim) { sim.scene().fix("x0").gravity({0, 0, -9.81}); };
+  Simulation sim(slab(), options_for(GetParam()));
+  scene_of(sim);
+  sim.remove_cells(std::vector<Index>{0});
+  sim.record();
+  ASSERT_TRUE(sim.advance(0.02).ok());
+  const Snapshot early = sim.snapshot();
+  sim.remove_cells(cells_within(sim.model(), {0.04, 0.02, 0.03}, 0.014));
+  ASSERT_TRUE(sim.advance(0.02).ok());
+  sim.restore(early);
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  sim.remove_cells(cells_within(sim.model(), {0.06, 0.04, 0.0}, 0.012));
+  ASSERT_TRUE(sim.advance(0.02).ok());
+  Simulation other(slab(), options_for(GetParam()));
+  other.replay(sim.recording());
+  EXPECT_EQ(other.removed_cells(), sim.removed_cells());
+  EXPECT_EQ(other.solver().read().position, sim.solver().read().position);
+}
+
+PHYMUL_ON_EVERY_BACKEND(RemoveCellsOn);
+
+/// The bound on the step: of bodies with cells taken at random and in lumps.
+TEST(RemoveCells, KeepTheStepBelowItsLimit) {
+  for (const double nu : {0.3, 0.45}) {
+    for (Kind& kind : kinds()) {
+      if (kind.model.materials.size() > 1) continue;
+      SCOPED_TRACE(kind.name);
+      set_material(kind.model, {5e3, nu, 1000.0, kind.model.materials.front().fibre_ratio});
+      for (int way = 0; way < 4; ++way) {
+        Simulation sim(kind.model);
+        std::mt19937 bits(17 + way);
+        std::vector<Index> rows;
+        const auto count = static_cast<Index>(kind.model.cells.size());
+        for (Index k = 0; way < 2 && k < (way + 1) * count / 10; ++k) {
+          rows.push_back(static_cast<Index>(bits() % count));
+        }
+        const Vec3 centre = kind.model.rest[bits() % kind.model.rest.size()];
+        if (way > 1) rows = cells_within(kind.model, centre, 0.008 * way);
+        sim.remove_cells(rows);
+        const TopologyTextures anew = built_anew(sim);
+        const double limit = stable_step(anew, estimate_spectrum(anew, anew.rest), 1.0);
+        EXPECT_LE(sim.solver().stable_step(), 1.005 * limit) << way;
+        EXPECT_GE(sim.solver().stable_step(), 0.6 * limit) << way;
+      }
+    }
+  }
+}
+
+TEST(RemoveCells, StayRemovedInAStateFile) {
+  Simulation sim(slab(), options_for("cpu"));
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  sim.remove_cells(cells_within(sim.model(), {0.04, 0.02, 0.03}, 0.014));
+  ASSERT_TRUE(sim.advance(0.02).ok());
+  const std::string path = testing::TempDir() + "removed_cells.state";
+  sim.save(path);
+  Simulation other(slab(), options_for("cpu"));
+  other.scene().fix("x0").gravity({0, 0, -9.81});
+  other.load(path);
+  EXPECT_EQ(other.removed_cells(), sim.removed_cells());
+  EXPECT_EQ(other.snapshot(), sim.snapshot());
+  Simulation whole(slab(), options_for("cpu"));
+  EXPECT_TRUE(refuses([&] { load_state(whole.unrecorded_solver(), path); }, "other removed cells"));
+}
+
+TEST(RemoveCells, RewindAndHistoryFollow) {
+  Simulation sim(slab(), options_for("cpu"));
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  sim.keep_history(1);
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  const double time = sim.time();
+  sim.remove_cells(std::vector<Index>{3, 4, 5});
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  ASSERT_TRUE(sim.rewind(time));
+  EXPECT_TRUE(sim.removed_cells().empty());
+  ASSERT_TRUE(sim.advance(0.01).ok());
+}
+
+/// The two halves of a block, parted by a layer without cells, fall apart and land on each other again.
+TEST(RemoveCells, BareSurfacesThatTouch) {
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Simulation sim(make_block({0.03, 0.03, 0.06}, 3, 3, 6), options_for(backend));
+    sim.scene().fix("z0").gravity({0, 0, -9.81}).contacts({});
+    ASSERT_EQ(connected_bodies(sim.model()).size(), 1u);
+    std::vector<Index> layer;
+    for (Index row = 0; row < static_cast<Index>(sim.model().cells.size()); ++row) {
+      double low = 1.0;
+      for (const Index i : sim.model().cells[row].particles) low = std::min(low, sim.model().rest[i].z());
+      if (std::abs(low - 0.03) < 1e-6) layer.push_back(row);
+    }
+    ASSERT_EQ(layer.size(), 9u);
+    sim.remove_cells(layer);
+    EXPECT_EQ(connected_bodies(sim.model()).size(), 2u);
+    ASSERT_TRUE(sim.advance(0.4).ok());
+    const State state = sim.solver().read();
+    double below = 0.0, above = 1.0;
+    for (std::size_t i = 0; i < state.position.size(); ++i) {
+      if (sim.model().rest[i].z() < 0.031) below = std::max(below, state.position[i].z());
+      if (sim.model().rest[i].z() > 0.039) above = std::min(above, state.position[i].z());
+    }
+    EXPECT_LT(above, 0.036);         // it fell
+    EXPECT_GT(above, below - 2e-3);  // and lies on the lower half
+  }
+}
+
+TEST(RemoveCells, ReleaseToolsAndJoints) {
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Simulation sim(slab(), options_for(backend));
+    const Model& model = sim.model();
+    sim.scene().fix("x0");
+    const Vec3 corner(0.06, 0.04, 0.03);
+    Index at = 0;
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      if ((model.rest[i] - corner).norm() < (model.rest[at] - corner).norm()) at = i;
+    }
+    Joint joint;
+    joint.stiffness = 1.0;
+    joint.springs.push_back({.a = {.particles = {at}, .weights = {1.0}}, .b = at_world(corner + Vec3(0.02, 0, 0))});
+    joint.springs.push_back({.a = {.particles = {0}, .weights = {1.0}}, .b = at_world(Vec3(-0.01, 0, 0))});
+    const JointHandle held = sim.scene().add_joint(joint);
+    ToolHandle tool = sim.scene().add_tool({.shape = Sphere{0.006}, .pose = {.position = corner}});
+    tool.grasp(0.002);
+    ASSERT_TRUE(sim.advance(0.005).ok());
+    ASSERT_GT(sim.solver().held(tool), 0);
+    const Snapshot before = sim.snapshot();
+    sim.remove_cells(cells_within(model, corner, 0.02));
+    ASSERT_EQ(model.mass[at], 0.0);
+    ASSERT_TRUE(sim.advance(0.005).ok());
+    EXPECT_EQ(sim.solver().held(tool), 0);
+    EXPECT_EQ(sim.force_on(tool).force, Vec3::Zero());
+    EXPECT_TRUE(sim.report_of(held).springs[0].broken);
+    EXPECT_FALSE(sim.report_of(held).springs[1].broken);
+    EXPECT_EQ(sim.report_of(held).broken, 1);
+    sim.restore(before);
+    ASSERT_TRUE(sim.advance(0.005).ok());
+    EXPECT_FALSE(sim.report_of(held).springs[0].broken);
+  }
+}
+
+TEST(RemoveCells, OpenAVolume) {
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for(backend));
+    sim.scene().fix("z0").gravity({0, 0, -30}).constrain_volume();
+    EXPECT_FALSE(sim.scene().any_volume_open());
+    sim.remove_cells(std::vector<Index>{26});
+    EXPECT_TRUE(sim.scene().is_open(0));
+    const StepReport report = sim.advance(0.1);
+    EXPECT_TRUE(report.ok()) << report.message();
+  }
+}
+
+TEST(RemoveCells, LeaveLoadsOnWhatIsThere) {
+  Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for("reference"));
+  const auto top = sim.model().group("z1");
+  sim.scene().fix("z0").add({.type = LoadType::pressure, .particles = top, .events = {{0.0, 10.0}}});
+  const auto load = [&] {
+    LoadFrame frame;
+    sim.scene().prepare(frame);
+    sim.scene().evaluate(0.0, frame);
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& f : frame.force) sum += f;
+    return sum;
+  };
+  const double whole = load().norm();
+  EXPECT_NEAR(whole, 10.0 * 9e-4, 1e-12);
+  sim.remove_cells(std::vector<Index>{26});
+  EXPECT_NEAR(load().norm(), whole * 8.0 / 9.0, 1e-12);
+  for (Index row = 18; row < 26; ++row) sim.remove_cells(std::vector<Index>{row});
+  EXPECT_EQ(load().norm(), 0.0);
+  EXPECT_TRUE(sim.advance(0.01).ok());
+}
+
+TEST(RemoveCells, RefuseWhatTheyCannot) {
+  Simulation sim(slab(), options_for("cpu"));
+  const std::string range = message_of([&] { sim.remove_cells(std::vector<Index>{2, 100'000}); });
+  EXPECT_TRUE(says(range, "got 100000")) << range;
+  EXPECT_TRUE(sim.removed_cells().empty());
+  std::vector<Index> all(sim.model().cells.size());
+  for (std::size_t row = 0; row < all.size(); ++row) all[row] = static_cast<Index>(row);
+  const std::string empty = message_of([&] { sim.remove_cells(all); });
+  EXPECT_TRUE(says(empty, "some cell of the body to be left")) << empty;
+  EXPECT_TRUE(sim.removed_cells().empty());
+  Simulation springs(slab());
+  const std::string plain = message_of([&] { springs.remove_cells(std::vector<Index>{0}); });
+  EXPECT_TRUE(says(plain, "cells with a material")) << plain;
+  EXPECT_TRUE(sim.advance(0.01).ok());
+}
+
+}  // namespace
+}  // namespace phymul
