@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Building the tables of a body, by size, from bases or a material. Items are particles.
+// Building the tables of a body, by size, from bases or a material, and changing them. Items are particles.
 #include <benchmark/benchmark.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
+
+#include <random>
+#include <vector>
 
 namespace {
 
@@ -45,11 +48,44 @@ void topology_material(benchmark::State& run) {
   build(run, tetrahedral_block(static_cast<int>(run.range(0))));
 }
 
+/// Of some 14,600 tetrahedra around random places, or spread over the body: 100 cells a call, on "cpu".
+void remove_cells(benchmark::State& run) {
+  phymul::SimulationOptions options;
+  options.backend = "cpu";
+  options.solver.threads = 1;
+  phymul::Simulation sim(tetrahedral_block(14), options);
+  sim.scene().fix("z0").gravity({0, 0, -9.81});
+  sim.advance(0.01);
+  const phymul::Snapshot whole = sim.snapshot();
+  const phymul::Model& model = sim.model();
+  const auto count = static_cast<phymul::Index>(model.cells.size());
+  std::mt19937 bits(1);
+  const auto first = std::vector<phymul::Index>{0};
+  sim.remove_cells(first);  // which looks at the whole body
+  for (auto _ : run) {
+    run.PauseTiming();
+    sim.restore(whole);
+    std::vector<phymul::Index> rows;
+    const phymul::Vec3 place = model.rest[bits() % model.rest.size()];
+    double radius = 0.0;
+    while (run.range(0) != 0 && rows.size() < 100) {
+      radius += 0.05 * cell_size;
+      rows = model.cells_in([&](const phymul::Vec3& x) { return (x - place).norm() < radius; });
+    }
+    while (rows.size() < 100) rows.push_back(static_cast<phymul::Index>(bits() % count));
+    rows.resize(100);
+    run.ResumeTiming();
+    sim.remove_cells(rows);
+  }
+  run.counters["cells"] = count;
+}
+
 void sizes(benchmark::internal::Benchmark* bench) {
   bench->ArgName("particles_a_side")->Arg(5)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
 BENCHMARK(topology_thresholded)->Apply(sizes);
 BENCHMARK(topology_material)->Apply(sizes);
+BENCHMARK(remove_cells)->ArgName("lump")->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond);
 
 }  // namespace

@@ -226,6 +226,12 @@ static const char* read_state(phymul_simulation* sim, struct c_results* out) {
   phymul_snapshot_free(before);
   DO(phymul_positions(sim, &again, &count))
   HOLDS(again == position && memcmp(position, out->position, sizeof out->position) == 0)
+  const double middle[3] = {0, 0, 0}, across[3] = {1, 0, 0};
+  phymul_body* cut = NULL;
+  HOLDS(phymul_body_cut(NULL, middle, across, NULL, NULL, &cut) == PHYMUL_INVALID_ARGUMENT && cut == NULL)
+  const int32_t cells[] = {0, 1};
+  DO(phymul_remove_cells(sim, cells, 2))
+  HOLDS(phymul_remove_cells(sim, (const int32_t[]){-1}, 1) == PHYMUL_INVALID_ARGUMENT)
   return NULL;
 }
 

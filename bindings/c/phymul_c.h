@@ -127,6 +127,9 @@ PHYMUL_API phymul_status phymul_body_add_cell_group(phymul_body* body, const cha
                                                     int32_t count);
 PHYMUL_API phymul_status phymul_body_set_material(phymul_body* body, const phymul_material* material,
                                                   const char* group);  // NULL: the whole body
+// cut_body along a plane, where (x - front_point) . front_normal is negative (NULL: everywhere). A new body.
+PHYMUL_API phymul_status phymul_body_cut(const phymul_body* body, const double point[3], const double normal[3],
+                                         const double* front_point, const double* front_normal, phymul_body** made);
 
 // --- Simulations ----------------------------------------------------------------------------------------------------
 
@@ -174,6 +177,9 @@ PHYMUL_API phymul_status phymul_set_load(phymul_simulation* sim, int32_t row, co
 // Bodies touch each other, and themselves if `self`. margin, m; 0: a tenth of the mean edge.
 PHYMUL_API phymul_status phymul_contacts(phymul_simulation* sim, double friction, double margin, int32_t self);
 PHYMUL_API phymul_status phymul_constrain_volume(phymul_simulation* sim, const char* group);  // NULL: the whole body
+
+// Simulation::remove_cells: rows of cells in the order of phymul_body_cells. Particles and cells keep their numbers.
+PHYMUL_API phymul_status phymul_remove_cells(phymul_simulation* sim, const int32_t* cells, int32_t count);
 
 typedef struct phymul_step_report {
   uint32_t size;

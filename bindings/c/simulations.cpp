@@ -145,6 +145,10 @@ phymul_status phymul_fix_particles(phymul_simulation* sim, const int32_t* partic
   return guarded([&] { of(sim).scene().fix(list(particles, count, "particles")); });
 }
 
+phymul_status phymul_remove_cells(phymul_simulation* sim, const int32_t* cells, int32_t count) {
+  return guarded([&] { of(sim).remove_cells(list(cells, count, "cells")); });
+}
+
 phymul_status phymul_scale_stiffness(phymul_simulation* sim, const phymul_material* material, double factor) {
   return guarded([&] {
     Scene& scene = of(sim).scene();

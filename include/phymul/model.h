@@ -7,9 +7,11 @@
 #include <phymul/types.h>
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -49,9 +51,10 @@ struct Cell {
   std::string name{};
   std::vector<Attribute> attributes{};
   std::optional<Colour> colour{};
-  /// Of its rest volume, filled by tissue: 1, or 0 once Simulation::remove_cells has removed it. A removed cell keeps
-  /// its row, and is in no volume, mass, surface or law.
+  /// Of its rest volume, filled by tissue: 1; less where it is part of a cut cell (cut_body); 0 once
+  /// Simulation::remove_cells has removed it. A removed cell keeps its row, and is in no volume, mass, surface or law.
   double share = 1.0;
+  std::uint8_t beyond_cut = 0;  ///< bit v: its particle v lies on the other side of a cut
   bool operator==(const Cell&) const = default;
 };
 
@@ -130,6 +133,9 @@ struct Model {
   bool has_group(std::string_view group_name) const;
 
   std::vector<Index> particles_in(const Contains& contains) const;  ///< those whose rest positions it accepts, sorted
+  /// Rows of the cells, but those that are removed, whose centre (mean of their vertices) at these positions, [N] m, it
+  /// accepts; at rest, where there are none. Throws Error for another number of positions.
+  std::vector<Index> cells_in(const Contains& contains, std::span<const Vec3> position = {}) const;
 
   /// Adds a component with these particles, not exclusive; returns *this. Throws Error for an empty name or a particle
   /// out of range.

@@ -96,7 +96,8 @@ ContactSurface make_contact_surface(const Model& model) {
     part.rest = model.rest;
   }
   for (const Cell& cell : model.cells) {
-    if (cell_size(cell.type) > 0 && cell.share > 0.0) parts[body_of[cell.particles.front()]].cells.push_back(cell);
+    const Index body = cell.particles.empty() ? -1 : body_of[cell.particles.front()];  // none where all is removed
+    if (cell_size(cell.type) > 0 && cell.share > 0.0 && body >= 0) parts[body].cells.push_back(cell);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     builder.add(parts[b], static_cast<Index>(b), bodies[b].particles);

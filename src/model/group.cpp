@@ -142,6 +142,20 @@ std::vector<Index> Model::particles_in(const Contains& contains) const {
   return particles;
 }
 
+std::vector<Index> Model::cells_in(const Contains& contains, std::span<const Vec3> position) const {
+  if (position.empty()) position = rest;
+  if (position.size() != rest.size()) {
+    throw Error("Model::cells_in: expected " + std::to_string(rest.size()) + " positions or none, got " +
+                std::to_string(position.size()));
+  }
+  std::vector<Index> rows;
+  for (std::size_t row = 0; row < cells.size(); ++row) {
+    if (cells[row].share == 0.0 || cells[row].particles.empty()) continue;
+    if (contains(cell_centre(cells[row], position))) rows.push_back(static_cast<Index>(row));
+  }
+  return rows;
+}
+
 Model& Model::add_group(std::string group_name, std::vector<Index> particles) {
   if (group_name.empty()) throw Error("expected a name for the group, got an empty one");
   require_indices(particles, rest.size(), "particles", [&] { return label_of(group_name); });

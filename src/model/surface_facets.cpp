@@ -12,10 +12,11 @@ struct Candidate {
   std::array<Index, 4> key;   // sorted particles, -1 in front where there are fewer
   std::array<Index, 4> ring;  // in order, -1 at the end where there are fewer
   bool inside_out;            // the cell it belongs to has negative volume
+  bool beyond_cut;            // no tissue of its cell is there
 };
 
 Candidate candidate(std::array<Index, 4> ring, bool inside_out) {
-  Candidate made{ring, ring, inside_out};
+  Candidate made{ring, ring, inside_out, false};
   std::sort(made.key.begin(), made.key.end());
   return made;
 }
@@ -61,8 +62,14 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
     if (!is_solid(model.dimension, cell)) continue;
     const bool inside_out = signed_measure(model.dimension, cell, model.rest) < 0.0;
     // Both cells at an inner face have it chosen, so leaving out the others first does not bare inner faces.
+    const auto is_beyond_cut = [&](Index i) {
+      const auto v = std::ranges::find(cell.particles, i) - cell.particles.begin();
+      return i < 0 || (cell.beyond_cut >> v & 1) != 0;
+    };
     each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
-      if (all_chosen(ring, chosen)) faces.push_back(candidate(ring, inside_out));
+      if (!all_chosen(ring, chosen)) return;
+      faces.push_back(candidate(ring, inside_out));
+      faces.back().beyond_cut = std::ranges::all_of(ring, is_beyond_cut);
     });
   }
   if (!made_of_cells) return explicit_facets(model, chosen);
@@ -70,7 +77,8 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
   std::vector<Facet> facets;
   for (std::size_t from = 0, to = 0; from < faces.size(); from = to) {
     for (to = from + 1; to < faces.size() && faces[to].key == faces[from].key;) ++to;
-    if (to == from + 1) facets.push_back(made_facet(model, faces[from].ring, faces[from].inside_out));
+    if (to == from + 1 && !faces[from].beyond_cut)
+      facets.push_back(made_facet(model, faces[from].ring, faces[from].inside_out));
   }
   return facets;
 }

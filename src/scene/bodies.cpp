@@ -9,6 +9,7 @@
 #include "base/file_error.h"
 #include "base/union_find.h"
 #include "model/body_type.h"
+#include "model/cell_geometry.h"
 #include "model/file_extras.h"
 
 namespace phymul {
@@ -141,8 +142,8 @@ Load for_merged(Load load, Index first) {
 
 std::vector<ConnectedBody> connected_bodies(const Model& model) {
   UnionFind sets(model.rest.size());
-  // Lists of neighbours do not follow the cells that are removed.
-  const bool whole = std::ranges::none_of(model.cells, [](const Cell& cell) { return cell.share == 0.0; });
+  // Lists of neighbours do not follow cuts and removals.
+  const bool whole = std::ranges::all_of(model.cells, [](const Cell& cell) { return cell.share == 1.0; });
   for (Index i = 0; whole && i < model.neighbours.rows(); ++i) {
     for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) sets.join(i, *j);
   }
@@ -156,6 +157,7 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
   std::vector<ConnectedBody> bodies;
   std::vector<Index> row_of(model.rest.size(), -1);  // of roots
   for (Index i = 0; i < model.particle_count(); ++i) {
+    if (model.mass[i] == 0.0) continue;
     Index& row = row_of[sets.root(i)];
     if (row < 0) {
       row = static_cast<Index>(bodies.size());
@@ -163,11 +165,20 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
     }
     bodies[row].particles.push_back(i);
   }
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (cell_size(cell.type) == 0 || cell.share == 0.0 || joints[row]) continue;
+    const Index own = row_of[sets.root(cell.particles.front())];
+    if (own < 0) continue;  // a triangle that lies where all is removed
+    ConnectedBody& body = bodies[own];
+    body.cells.push_back(static_cast<Index>(row));
+    body.volume += signed_measure(model.dimension, cell, model.rest);
+  }
   std::set<std::string> seen;
   for (const Component& component : model.components) {
     if (component.name.empty() || !seen.insert(component.name).second) continue;
     const std::vector<Index> group = model.group(component.name);
-    if (group.empty()) continue;
+    if (group.empty() || row_of[sets.root(group.front())] < 0) continue;
     ConnectedBody& body = bodies[row_of[sets.root(group.front())]];
     const bool shorter = body.name.empty() || component.name.size() < body.name.size();
     if (shorter && body.particles == group) body.name = component.name;

@@ -63,6 +63,7 @@ class AlikeDomains {
     add(domains_.material[d]);
     for (const Index* entry = cells_.begin(d); entry != cells_.end(d); ++entry) {
       add(static_cast<Index>(cell_of(*entry).type));
+      if (cell_of(*entry).share != 1.0) add(d);  // parts of cut cells are like no other
       add(*entry % most_vertices);
       const Index cell = *entry / most_vertices;
       for (const Index* e = domains_.of_cell.begin(cell); e != domains_.of_cell.end(cell); ++e) add(*e - d);
@@ -75,6 +76,7 @@ class AlikeDomains {
     if (parts_.root(d) != parts_.root(other)) return false;
     const Index* b = cells_.begin(other);
     for (const Index* a = cells_.begin(d); a != cells_.end(d); ++a, ++b) {
+      if (cell_of(*a).share != 1.0 || cell_of(*b).share != 1.0) return false;
       if (cell_of(*a).type != cell_of(*b).type || *a % most_vertices != *b % most_vertices) return false;
       const Index cell = *a / most_vertices;
       const Index* f = domains_.of_cell.begin(*b / most_vertices);

@@ -17,7 +17,7 @@ namespace phymul {
 namespace {
 
 /// By which the largest eigenvalue may have grown more than own blocks say: 1.37 where cells of blocks and organs were
-/// removed at random and in lumps, up to a third of them (docs/measurements/edits.md).
+/// removed at random and in lumps, up to a third of them.
 constexpr double beyond_own_blocks = 1.5;
 
 bool has_material(const Model& model, const Cell& cell) {
@@ -40,11 +40,13 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   }
   std::vector<std::vector<Index>> rows(model.rest.size());
   mass_of_corner_.assign(model.cells.size(), 0.0);
+  whole_share_.assign(model.cells.size(), 1.0);
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     if (!has_material(model, model.cells[row])) continue;
     ++cell_count_;
     Cell whole = model.cells[row];
-    whole.share = 1.0;
+    if (whole.share > 0.0) whole_share_[row] = whole.share;
+    whole.share = whole_share_[row];
     mass_of_corner_[row] = model.materials[whole.material].density *
                            signed_measure(model.dimension, whole, model.rest) /
                            static_cast<double>(whole.particles.size());
@@ -81,7 +83,7 @@ void BodyEdit::set_shares(std::span<const Index> cells, double share) {
   for (const Index cell : cells) require_cell(cell);
   std::vector<Index> changed, particles, domains;
   for (const Index row : cells) {
-    if (model_.cells[row].share != share) changed.push_back(row);
+    if ((model_.cells[row].share > 0.0) != (share > 0.0)) changed.push_back(row);
   }
   sort_unique(changed);
   for (const Index row : changed) {
@@ -99,7 +101,7 @@ void BodyEdit::set_shares(std::span<const Index> cells, double share) {
   sort_unique(domains);
   topology_.edited.reserve(topology_.edited.size() + domains.size());
   for (const Index row : changed) {
-    model_.cells[row].share = share;
+    model_.cells[row].share = share * whole_share_[row];
     const auto at = std::ranges::lower_bound(topology_.removed, row);
     if (share == 0.0) {
       topology_.removed.insert(at, row);

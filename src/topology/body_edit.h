@@ -20,7 +20,7 @@ class BodyEdit {
   /// the body is made of cells with materials.
   BodyEdit(Model& model, TopologyTextures& topology);
 
-  /// Sets Cell::share of these cells, 0 or 1. The tables' lists of edits say what changed. A particle's mass is in
+  /// Sets Cell::share of these cells: 0, or with 1 what it is while they are not removed. The tables' lists of edits say what changed. A particle's mass is in
   /// proportion to what its cells weigh, but not so small that it would vibrate faster than all of the body did: what
   /// is kept for that is at most its mass at the beginning. Without a cell it is 0. Throws Error, and changes nothing,
   /// for a row that is no cell with a material.
@@ -54,6 +54,7 @@ class BodyEdit {
   TopologyTextures& topology_;
   std::size_t cell_count_ = 0;             // with a material
   RaggedList cells_of_;                    // by particle: rows of its cells with a material, ascending
+  std::vector<double> whole_share_;        // [cells] while they are not removed
   std::vector<double> mass_of_corner_;     // [cells] kg, of each particle's share of one
   std::vector<double> mass_, lumped_;      // [N] kg, at the beginning: of the model, and of its cells
   std::vector<double> modulus_;            // [D] Pa

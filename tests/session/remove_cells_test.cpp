@@ -27,15 +27,7 @@ Model slab() {
 }
 
 std::vector<Index> cells_within(const Model& model, const Vec3& centre, double radius) {
-  std::vector<Index> rows;
-  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
-    Vec3 mean = Vec3::Zero();
-    for (const Index i : model.cells[row].particles) {
-      mean += model.rest[i] / static_cast<double>(model.cells[row].particles.size());
-    }
-    if ((mean - centre).norm() < radius) rows.push_back(row);
-  }
-  return rows;
+  return model.cells_in([&](const Vec3& x) { return (x - centre).norm() < radius; });
 }
 
 SimulationOptions options_for(const std::string& backend) {
@@ -289,7 +281,10 @@ TEST(RemoveCells, BareSurfacesThatTouch) {
     }
     ASSERT_EQ(layer.size(), 9u);
     sim.remove_cells(layer);
-    EXPECT_EQ(connected_bodies(sim.model()).size(), 2u);
+    const std::vector<ConnectedBody> pieces = connected_bodies(sim.model());
+    ASSERT_EQ(pieces.size(), 2u);
+    EXPECT_EQ(pieces[0].cells.size(), 27u);
+    EXPECT_NEAR(pieces[1].volume, 0.03 * 0.03 * 0.02, 1e-15);
     ASSERT_TRUE(sim.advance(0.4).ok());
     const State state = sim.solver().read();
     double below = 0.0, above = 1.0;
@@ -299,7 +294,24 @@ TEST(RemoveCells, BareSurfacesThatTouch) {
     }
     EXPECT_LT(above, 0.036);         // it fell
     EXPECT_GT(above, below - 2e-3);  // and lies on the lower half
+    sim.remove_cells(pieces[1].cells);
+    EXPECT_EQ(connected_bodies(sim.model()).size(), 1u);
+    EXPECT_TRUE(sim.advance(0.05).ok());
   }
+}
+
+TEST(RemoveCells, ArePickedWhereTheyAreNow) {
+  Simulation sim(slab(), options_for("reference"));
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  ASSERT_TRUE(sim.advance(0.1).ok());
+  const VecList now = sim.solver().read().position;
+  const auto low = [](const Vec3& x) { return x.z() < -0.005; };
+  EXPECT_TRUE(sim.model().cells_in(low).empty());
+  const std::vector<Index> hanging = sim.model().cells_in(low, now);
+  EXPECT_FALSE(hanging.empty());
+  sim.remove_cells(hanging);
+  EXPECT_TRUE(sim.model().cells_in(low, now).empty());
+  EXPECT_TRUE(refuses([&] { static_cast<void>(sim.model().cells_in(low, VecList(3))); }, "got 3"));
 }
 
 TEST(RemoveCells, ReleaseToolsAndJoints) {

@@ -118,6 +118,13 @@ class Body(Owner):
                                          group.encode() if group else None)
         return material
 
+    def cut(self, point: Vector, normal: Vector, front: Optional[tuple[Vector, Vector]] = None) -> Body:
+        """A body of tetrahedra, cut along a plane; where `front`, a point and a normal, is given, only behind it. Set
+        materials before. The lips do not touch each other."""
+        plane = [floats(value, (3,), "a point or normal") for value in (point, normal, *(front or ()))]
+        pointers = [value.ctypes.data for value in plane] + [None] * (4 - len(plane))
+        return Body(make("body", library.phymul_body_cut, self._pointer, *pointers))
+
     def moved(self, by: Vector) -> Body:
         """The same body elsewhere."""
         by = floats(by, (3,), "a displacement")

@@ -223,6 +223,14 @@ class Simulation(Owner):
 
     # Time
 
+    def remove_cells(self, cells: Any) -> Simulation:
+        """Removes rows of cells, or a mask of them: `sim.remove_cells(sim.body.cell_centres[:, 2] > 0.02)`. Particles
+        and cells keep their numbers; restore() brings cells back. Read `body` again for masses and surface."""
+        rows = rows_of(cells, len(self.body.cells), "cells")
+        library.phymul_remove_cells(self._pointer, rows.ctypes.data, len(rows))
+        self._body = None
+        return self
+
     def _stepped(self, function: Any, *arguments: Any) -> StepReport:
         report = sized("phymul_step_report")
         failure = None
@@ -334,6 +342,7 @@ class Simulation(Owner):
 
     def restore(self, snapshot: Snapshot) -> None:
         library.phymul_snapshot_restore(snapshot._pointer, self._pointer)
+        self._body = None  # cells may have come back
 
     def save(self, path: Path) -> None:
         """The state, to a file."""
@@ -341,6 +350,7 @@ class Simulation(Owner):
 
     def load(self, path: Path) -> None:
         library.phymul_load(self._pointer, path_of(path))
+        self._body = None
 
     def record(self) -> None:
         """From now on what is done with this simulation is recorded."""
@@ -352,6 +362,7 @@ class Simulation(Owner):
     def replay(self, path: Path) -> None:
         """Clears the scene and repeats a recording."""
         library.phymul_replay(self._pointer, path_of(path))
+        self._body = None
 
     def write_vtu(self, path: Path) -> None:
         """For ParaView."""

@@ -172,6 +172,26 @@ class States(Refusals):
             with self.assertRaises(phymul.Error):
                 other.load(path)
 
+    def test_removed_cells_come_back(self):
+        sim = block().fix("z0").gravity((1, 0, -2))
+        start, whole = sim.snapshot(), sim.body.masses
+        top = sim.body.cell_centres[:, 2] > sim.body.rest[:, 2].max() / 2
+        sim.remove_cells(top)
+        self.assertLess(sim.body.masses.sum(), 0.7 * whole.sum())
+        self.assertEqual(sim.advance(0.01).steps > 0, True)
+        self.refused(phymul.ErrorCode.INVALID_ARGUMENT, "1000000", sim.remove_cells, [1_000_000])
+        sim.restore(start)
+        np.testing.assert_array_equal(sim.body.masses, whole)
+
+    def test_cut_bodies_open(self):
+        body = phymul.make_tetrahedral_block((0.1, 0.1, 0.05), 6, 6, 3)
+        body.set_material(1e4, 0.4, 1000.0)
+        cut = body.cut((0.05, 0, 0), (1, 0, 0), front=((0, 0.05, 0), (0, 1, 0)))
+        self.assertGreater(cut.particles, body.particles)
+        self.assertAlmostEqual(cut.masses.sum() / body.masses.sum(), 1.0)
+        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "is cut", cut.cut, (0.05, 0, 0), (1, 0, 0))
+        self.assertEqual(body.cut((1, 0, 0), (1, 0, 0)).particles, body.particles)
+
     def test_recordings_repeat(self):
         sim = block().fix("z0").gravity((0, 0, -2))
         sim.record()
