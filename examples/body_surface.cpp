@@ -37,13 +37,19 @@ std::span<const Corners> faces_of(CellType type) {
 std::vector<Face> outer_faces(const phymul::Model& model) {
   std::map<std::vector<Index>, std::pair<Face, int>> seen;  // by sorted corners: the face and how many cells have it
   for (const phymul::Cell& cell : model.cells) {
+    if (cell.share == 0.0) continue;
     for (const Corners& corners : faces_of(cell.type)) {
       Face face;
-      for (const int corner : corners) face.corners.push_back(cell.particles[static_cast<std::size_t>(corner)]);
+      bool beyond_cut = true;  // no tissue of the cell is there
+      for (const int corner : corners) {
+        face.corners.push_back(cell.particles[static_cast<std::size_t>(corner)]);
+        beyond_cut = beyond_cut && (cell.beyond_cut >> corner & 1) != 0;
+      }
       std::vector<Index> key = face.corners;
       std::sort(key.begin(), key.end());
       auto& [first, count] = seen[key];
-      if (count++ == 0) first = std::move(face);
+      if (count == 0) first = std::move(face);
+      count += beyond_cut ? 2 : 1;
     }
   }
   std::vector<Face> faces;

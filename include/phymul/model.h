@@ -54,7 +54,7 @@ struct Cell {
   /// Of its rest volume, filled by tissue: 1; less where it is part of a cut cell (cut_body); 0 once
   /// Simulation::remove_cells has removed it. A removed cell keeps its row, and is in no volume, mass, surface or law.
   double share = 1.0;
-  std::uint8_t beyond_cut = 0;  ///< bit v: its particle v lies on the other side of a cut
+  std::uint8_t beyond_cut = 0;  ///< bit v: its particle v is not on its side of a cut
   bool operator==(const Cell&) const = default;
 };
 

@@ -177,8 +177,8 @@ class BodyCutter {
       std::uint8_t above = 0, below = 0;
       for (std::size_t v = 0; v < 4; ++v) {
         value[v] = distance_[before_[row][v]];
-        if (value[v] > 0.0) above |= static_cast<std::uint8_t>(1u << v);
-        if (value[v] < 0.0) below |= static_cast<std::uint8_t>(1u << v);
+        if (value[v] >= 0.0) above |= static_cast<std::uint8_t>(1u << v);
+        if (value[v] <= 0.0) below |= static_cast<std::uint8_t>(1u << v);
       }
       const double share = share_above(value);
       Cell other = model_.cells[row];

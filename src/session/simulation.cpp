@@ -138,11 +138,6 @@ void Simulation::Parts::bring_back(const Snapshot& snapshot) {
 
 void Simulation::Parts::set_removed_cells(std::vector<Index> removed) {
   if (removed == topology->removed) return;
-  if (solver().substeps() > 1) {
-    throw Error(ErrorCode::not_supported,
-                "the cells of a body with SolverOptions::max_substeps above 1 cannot be removed: its fine parts are "
-                "chosen once; set it to 1");
-  }
   const auto without = [](const std::vector<Index>& a, const std::vector<Index>& b) {
     std::vector<Index> rest;
     std::ranges::set_difference(a, b, std::back_inserter(rest));

@@ -111,41 +111,6 @@ void SolverBackend::follow_scene() {
   values_version_ = scene_->values_version();
 }
 
-void SolverBackend::take_spectrum() {
-  const StepBound bound = step_bound(*topology_, own_spectrum_);
-  stiffness_ = bound.stiffness;
-  viscosity_ = bound.damping;
-}
-
-void SolverBackend::body_changed() {
-  require_idle("Solver::body_changed");
-  if (edits_seen_ == topology_->edited.size()) return;
-  if (local_steps_) {
-    throw Error(ErrorCode::not_supported,
-                "the body of a solver with SolverOptions::max_substeps above 1 cannot be changed: its fine parts are "
-                "chosen once; set it to 1");
-  }
-  own_spectrum_.largest = largest_before_edits_ * topology_->stiffened;
-  take_spectrum();
-  topology_hash_.reset();
-  materials_.reset();
-  loose_.reset();
-  all_held_.reset();
-  growth_of_state_ = 0.0;
-  copies_.clear();
-  scene_->prepare(frame_);
-  follow_joints();
-  do_body_changed(std::span(topology_->edited).subspan(edits_seen_));
-  do_scene_changed();
-  edits_seen_ = topology_->edited.size();
-  scene_version_ = scene_->version();
-  values_version_ = scene_->values_version();
-}
-
-void SolverBackend::do_body_changed(std::span<const Index>) {
-  throw Error(ErrorCode::not_supported, "the backend \"" + name_ + "\" does not follow changes of its body");
-}
-
 void SolverBackend::require_fitting(const State& state) const {
   const auto n = static_cast<std::size_t>(topology_->particle_count);
   if (state.position.size() != n || state.velocity.size() != n) {
@@ -171,16 +136,6 @@ void SolverBackend::require_supported() const {
 void SolverBackend::require_idle(const char* what) const {
   if (!is_stepping_.test()) return;
   throw Error(std::string(what) + ": a step of this solver has not returned yet; call it after the step");
-}
-
-/// Particles without mass at rest at their places.
-State SolverBackend::without_removed(State state) const {
-  for (std::size_t i = 0; i < state.position.size(); ++i) {
-    if (topology_->mass[i] > 0.0) continue;
-    state.position[i] = topology_->rest[i];
-    state.velocity[i].setZero();
-  }
-  return state;
 }
 
 void SolverBackend::reset(const State& given) {
@@ -290,11 +245,6 @@ Spectrum SolverBackend::spectrum() const {
 
 const TopologyTextures& SolverBackend::elastic() const {
   return scaled_->of(*topology_, scene_->stiffness_factors());
-}
-
-std::uint64_t SolverBackend::topology_hash() const {
-  if (!topology_hash_) topology_hash_ = fingerprint(*topology_);
-  return *topology_hash_;
 }
 
 Snapshot SolverBackend::snapshot() const {
