@@ -40,10 +40,10 @@ std::vector<Face> outer_faces(const phymul::Model& model) {
     if (cell.share == 0.0) continue;
     for (const Corners& corners : faces_of(cell.type)) {
       Face face;
-      bool beyond_cut = true;  // no tissue of the cell is there
-      for (const int corner : corners) {
-        face.corners.push_back(cell.particles[static_cast<std::size_t>(corner)]);
-        beyond_cut = beyond_cut && (cell.beyond_cut >> corner & 1) != 0;
+      for (const int corner : corners) face.corners.push_back(cell.particles[static_cast<std::size_t>(corner)]);
+      bool beyond_cut = false;  // no tissue of the cell is there
+      for (const phymul::CellCut& cut : cell.cuts) {
+        beyond_cut = beyond_cut || std::ranges::all_of(corners, [&](int corner) { return cut[corner] <= 0.0; });
       }
       std::vector<Index> key = face.corners;
       std::sort(key.begin(), key.end());

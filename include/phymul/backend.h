@@ -117,6 +117,8 @@ class SolverBackend : public Solver {
 
   /// topology(), scaled by Scene::stiffness_factors(); valid until these change. Allocates at the first other than 1.
   const TopologyTextures& elastic() const;
+  /// Of an edited body: particles without mass at rest at their places, held by no tool.
+  State without_removed(State state) const;
   const LocalSteps* local_steps() const { return local_steps_.get(); }  ///< null: one step for all
   /// Why only "cpu" and "reference" support this body (its substeps), as a result for do_cannot(); null: others may.
   const char* beyond_devices() const;
@@ -171,7 +173,6 @@ class SolverBackend : public Solver {
   double step_limit(const Damping& damping) const;  // s
   double stiffness_factor() const;                  // by which the scene's raise the spectrum at most
   Spectrum spectrum() const;                        // a bound, of materials as stiff as the scene makes them
-  State without_removed(State state) const;
   void require_fitting(const State& state) const;
   void require_supported() const;
   void require_idle(const char* what) const;

@@ -31,8 +31,8 @@ Model moved(Model model, const Vec3& by);  ///< its rest shape elsewhere, m
 /// A load of a body by itself, for the model it was merged into; `first`: the row of the body's first particle there.
 Load for_merged(Load load, Index first);
 
-/// Particles that neighbours and cells hold together; where cells are cut or removed, cells alone. Particles all of whose cells
-/// are removed are in none.
+/// Particles that neighbours and cells hold together; where cells are cut or removed, cells alone. Particles all of
+/// whose cells are removed are in none.
 struct ConnectedBody {
   std::string name;              ///< the shortest one of a group of just these particles; empty: there is none
   std::vector<Index> particles;  ///< sorted

@@ -125,12 +125,13 @@ CutSurface cut_plane(const Vec3& point, const Vec3& normal);  ///< throws Error 
 /// A body of tetrahedra with a cut, by virtual nodes. Nothing of the mesh moves: a cell that the surface crosses behind
 /// the front becomes two over the same places, each with its Cell::share of the volume, and particles get copies (after
 /// all particles there were) so that the two sides hold together as far as they do beside the cut. Volume and mass are
-/// kept. `copies`, if not null, gets the particle that each added one copies. A particle within a tenth of its shortest
-/// edge of the surface lies on it; a cell is cut when the edge, led by 0.3 spacings, passes the middle of its section.
-/// Groups get the copies of particles that lie on the surface. Of copies the one with its number is that on its own
-/// side of the cut; the others (Cell::beyond_cut) only carry their cells. The lips have no surface of their own:
-/// contacts and tools go through the cut. Set the materials before. Throws Error (not_supported) where a cell that
-/// fills space is no tetrahedron, or is cut or removed already, and for a distance that is not finite.
+/// kept. `copies`, if not null, gets the particle that each added one copies. A body may be cut again, up to three
+/// times through a cell. A particle within a tenth of its shortest edge of the surface lies on it; a cell is cut when
+/// the edge, led by 0.3 spacings, passes the middle of its section. Groups get the copies of particles that lie on the
+/// surface. Of copies the one with the particle's number is that on its own side of the cut; the others only carry
+/// their cells. The lips have no surface of their own: contacts and tools go through the cut. Set the materials before.
+/// Throws Error (not_supported) where a cell that fills space is no tetrahedron, or would be cut a fourth time, and for
+/// a distance that is not finite.
 Model cut_body(Model model, const CutSurface& cut, std::vector<Index>* copies = nullptr);
 
 }  // namespace phymul

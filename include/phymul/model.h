@@ -7,7 +7,6 @@
 #include <phymul/types.h>
 
 #include <array>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -38,6 +37,8 @@ struct Attribute {
 
 using Colour = std::array<double, 4>;  ///< red, green, blue, alpha in [0, 1]
 
+using CellCut = std::array<double, 4>;  ///< of Cell::cuts
+
 /// A geometric cell over particles. The order of vertices is that of PML (and of VTK, except for the wedge):
 /// - tetrahedron (a, b, c, d): d is on the side to which (b-a) x (c-a) points.
 /// - hexahedron: the ring 0-1-2-3, then 4-5-6-7 above it. "Above" is in the direction of the ring's right-hand normal.
@@ -54,7 +55,9 @@ struct Cell {
   /// Of its rest volume, filled by tissue: 1; less where it is part of a cut cell (cut_body); 0 once
   /// Simulation::remove_cells has removed it. A removed cell keeps its row, and is in no volume, mass, surface or law.
   double share = 1.0;
-  std::uint8_t beyond_cut = 0;  ///< bit v: its particle v is not on its side of a cut
+  /// Of a tetrahedron, each cut through it: tissue is where the linear function with these values at its particles, m,
+  /// is above 0. They make its share.
+  std::vector<CellCut> cuts{};
   bool operator==(const Cell&) const = default;
 };
 

@@ -74,8 +74,8 @@ struct Snapshot {
   /// The scene's tools and joints (Scene::parts()). Null: unknown, as in files written before snapshots had them; then
   /// restore() does not compare them with those of the scene.
   std::shared_ptr<const SceneParts> scene;
-  std::vector<ToolMemory> tools;    ///< of scene->tools
-  std::vector<JointReport> joints;  ///< of scene->joints
+  std::vector<ToolMemory> tools;     ///< of scene->tools
+  std::vector<JointReport> joints;   ///< of scene->joints
   std::vector<Index> removed_cells;  ///< TopologyTextures::removed
   /// Solver::topology_hash() of the solver it was taken from. 0: unknown, and Solver::restore() does not check it.
   std::uint64_t topology_hash = 0;

@@ -7,7 +7,6 @@
 #include <phymul/body.h>
 #include <phymul/error.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +15,7 @@
 
 #include "base/union_find.h"
 #include "model/cell_geometry.h"
+#include "model/cut_cells.h"
 
 namespace phymul {
 namespace {
@@ -29,35 +29,9 @@ constexpr double lead = 0.3;
 /// Of a particle's mass that a copy has at least, taken from the heaviest one.
 constexpr double least_mass = 0.02;
 
-/// Share of a tetrahedron's volume where the linear function with these values at its vertices is above 0.
-double share_above(const std::array<double, 4>& value) {
-  std::array<int, 4> above{}, below{};  // below: or on it
-  std::size_t a = 0, b = 0;
-  for (int v = 0; v < 4; ++v) (value[v] > 0.0 ? above[a++] : below[b++]) = v;
-  if (a == 0 || b == 0) return a == 0 ? 0.0 : 1.0;
-  const auto corner = [&](int tip, const std::array<int, 4>& others) {
-    double product = 1.0;
-    for (int k = 0; k < 3; ++k) product *= value[tip] / (value[tip] - value[others[k]]);
-    return product;
-  };
-  if (a == 1) return corner(above[0], below);
-  if (b == 1) return 1.0 - corner(below[0], above);
-  // A wedge, as three tetrahedra; columns are barycentric coordinates.
-  const auto unit = [](int v) { return Eigen::Vector4d(Eigen::Vector4d::Unit(v)); };
-  const auto crossing = [&](int i, int j) {
-    return Eigen::Vector4d(unit(i) + value[i] / (value[i] - value[j]) * (unit(j) - unit(i)));
-  };
-  const auto volume = [](const Eigen::Vector4d& p, const Eigen::Vector4d& q, const Eigen::Vector4d& r,
-                         const Eigen::Vector4d& s) {
-    Eigen::Matrix4d corners;
-    corners << p, q, r, s;
-    return std::abs(corners.determinant());
-  };
-  const Eigen::Vector4d p = unit(above[0]), q = unit(above[1]);
-  const Eigen::Vector4d pa = crossing(above[0], below[0]), pb = crossing(above[0], below[1]);
-  const Eigen::Vector4d qa = crossing(above[1], below[0]), qb = crossing(above[1], below[1]);
-  return volume(p, pa, pb, q) + volume(q, pa, pb, qb) + volume(q, pa, qa, qb);
-}
+/// Of a part's share: less than this, or more than all but this, is none and all.
+constexpr double no_share = 1e-9;
+constexpr std::size_t most_cuts = 3;  // through a cell
 
 class BodyCutter {
  public:
@@ -100,11 +74,11 @@ class BodyCutter {
     for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
       const Cell& cell = model_.cells[row];
       before_.push_back(cell.particles);
+      earlier_.push_back(cell.cuts);
       if (!is_solid(model_.dimension, cell)) continue;
-      if (cell.type != CellType::tetrahedron || cell.share != 1.0) {
-        throw Error(ErrorCode::not_supported, "cut_body: expected a body of whole tetrahedra; " +
-                                                  cell_label(model_, static_cast<std::size_t>(row)) +
-                                                  (cell.share != 1.0 ? " is cut or removed already" : " is none"));
+      if (cell.type != CellType::tetrahedron) {
+        throw Error(ErrorCode::not_supported, "cut_body: expected a body of tetrahedra; " +
+                                                  cell_label(model_, static_cast<std::size_t>(row)) + " is none");
       }
       for (const Index i : cell.particles) cells_of_[i].push_back(row);
       volume += cell_volume(model_, cell);
@@ -159,9 +133,27 @@ class BodyCutter {
       const bool crosses = above > 0 && below > 0, lies_on = above + below == 1;
       if (!crosses && !lies_on) continue;
       if (cut_.front && !(cut_.front(middle / points) < lead * spacing_)) continue;
-      if (crosses) parted_.push_back(row);
-      if (lies_on) side_[row] = above > 0 ? 1 : -1;
+      if (lies_on) {
+        side_[row] = above > 0 ? 1 : -1;
+        continue;
+      }
+      // What earlier cuts left of it may lie on one side.
+      std::vector<CellCut> cuts = model_.cells[row].cuts;
+      const double whole = tissue_share(cuts);
+      cuts.push_back(cut_of(row));
+      const double share = tissue_share(cuts) / whole;
+      if (share < no_share || share > 1.0 - no_share) {
+        side_[row] = share > 0.5 ? 1 : -1;
+        continue;
+      }
+      if (cuts.size() > most_cuts) {
+        throw Error(ErrorCode::not_supported,
+                    "cut_body: " + cell_label(model_, static_cast<std::size_t>(row)) +
+                        " would be cut a fourth time; expected at most three cuts through one");
+      }
+      share_above_.emplace_back(row, share);
     }
+    for (const auto& [row, share] : share_above_) parted_.push_back(row);
     // A cell of a side alone parts nothing: it needs its neighbour's corners to be looked at.
     for (Index row = 0; row < static_cast<Index>(side_.size()); ++row) {
       if (side_[row] != 0) parted_.push_back(row);
@@ -169,23 +161,22 @@ class BodyCutter {
     std::ranges::sort(parted_);
   }
 
+  CellCut cut_of(Index row) const {
+    CellCut cut{};
+    for (std::size_t v = 0; v < 4; ++v) cut[v] = distance_[before_[row][v]];
+    return cut;
+  }
+
   void part_cells() {
     for (Index row = 0; row < static_cast<Index>(before_.size()); ++row) parts_[row] = {{row, side_[row]}};
-    for (const Index row : parted_) {
-      if (side_[row] != 0) continue;
-      std::array<double, 4> value{};
-      std::uint8_t above = 0, below = 0;
-      for (std::size_t v = 0; v < 4; ++v) {
-        value[v] = distance_[before_[row][v]];
-        if (value[v] >= 0.0) above |= static_cast<std::uint8_t>(1u << v);
-        if (value[v] <= 0.0) below |= static_cast<std::uint8_t>(1u << v);
-      }
-      const double share = share_above(value);
+    for (const auto& [row, share] : share_above_) {
+      CellCut cut = cut_of(row);
       Cell other = model_.cells[row];
-      model_.cells[row].share = share;
-      model_.cells[row].beyond_cut = below;
-      other.share = 1.0 - share;
-      other.beyond_cut = above;
+      model_.cells[row].share *= share;
+      model_.cells[row].cuts.push_back(cut);
+      for (double& value : cut) value = -value;
+      other.share *= 1.0 - share;
+      other.cuts.push_back(cut);
       const auto added = static_cast<Index>(model_.cells.size());
       model_.cells.push_back(std::move(other));
       parts_[row] = {{row, 1}, {added, -1}};
@@ -196,17 +187,28 @@ class BodyCutter {
   /// Whether two parts are one body across the face that their cells share, if they do.
   bool meet(Index cell_a, const Part& a, Index cell_b, const Part& b) const {
     if (a.side * b.side < 0) return false;
-    int common = 0, on = 0, above = 0, below = 0;
+    std::array<Index, 3> face{};
+    std::size_t common = 0;
     for (const Index i : before_[cell_a]) {
       if (std::ranges::find(before_[cell_b], i) == before_[cell_b].end()) continue;
+      if (common < 3) face[common] = i;
       ++common;
-      on += distance_[i] == 0.0 ? 1 : 0;
-      above += distance_[i] > 0.0 ? 1 : 0;
-      below += distance_[i] < 0.0 ? 1 : 0;
     }
-    if (common < 3) return false;
-    const int side = a.side != 0 ? a.side : b.side;
-    return side == 0 || on == 3 || (side > 0 ? above : below) > 0;
+    if (common != 3) return false;
+    cuts_of_face_.clear();
+    if (const int side = a.side != 0 ? a.side : b.side; side != 0) {
+      cuts_of_face_.push_back({side * distance_[face[0]], side * distance_[face[1]], side * distance_[face[2]]});
+    }
+    for (const Index row : {cell_a, cell_b}) {
+      const std::vector<CellCut>& cuts = earlier_[row];
+      for (const CellCut& cut : cuts) {
+        FaceCut& own = cuts_of_face_.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) {
+          own[k] = cut[static_cast<std::size_t>(std::ranges::find(before_[row], face[k]) - before_[row].begin())];
+        }
+      }
+    }
+    return has_tissue(cuts_of_face_);
   }
 
   /// One copy of a particle for each group of parts around it; the group that the particle itself lies in keeps it.
@@ -292,17 +294,20 @@ class BodyCutter {
 
   Model model_;
   const CutSurface& cut_;
-  Index particles_ = 0;                           // before the cut
-  double spacing_ = 0.0;                          // m
-  std::vector<std::vector<Index>> before_;        // [cells] particles before the cut
-  std::vector<std::vector<Index>> cells_of_;      // [particles]
-  std::vector<double> distance_;                  // [particles] m
-  std::vector<int> side_;                         // [cells] of those with a face on the surface
-  std::vector<Index> parted_;                     // cells, ascending
-  std::vector<std::vector<Part>> parts_;          // [cells]
-  std::vector<std::pair<Index, Index>> part_of_;  // rows of parted cells, and of their second parts
-  std::vector<Index> copies_;                     // of which particle, each
-  std::vector<std::vector<Index>> shared_;        // [particles] copies that lie on the surface as they do
+  Index particles_ = 0;                                // before the cut
+  double spacing_ = 0.0;                               // m
+  std::vector<std::vector<Index>> before_;             // [cells] particles before the cut
+  std::vector<std::vector<CellCut>> earlier_;          // [cells] cuts before this one
+  mutable std::vector<FaceCut> cuts_of_face_;          // of the face at hand
+  std::vector<std::pair<Index, double>> share_above_;  // of the parted cells, ascending: of what they had
+  std::vector<std::vector<Index>> cells_of_;           // [particles]
+  std::vector<double> distance_;                       // [particles] m
+  std::vector<int> side_;                              // [cells] of those with a face on the surface
+  std::vector<Index> parted_;                          // cells, ascending
+  std::vector<std::vector<Part>> parts_;               // [cells]
+  std::vector<std::pair<Index, Index>> part_of_;       // rows of parted cells, and of their second parts
+  std::vector<Index> copies_;                          // of which particle, each
+  std::vector<std::vector<Index>> shared_;             // [particles] copies that lie on the surface as they do
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cell_geometry.h"
+#include "cut_cells.h"
 
 namespace phymul {
 namespace {
@@ -62,14 +63,14 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
     if (!is_solid(model.dimension, cell)) continue;
     const bool inside_out = signed_measure(model.dimension, cell, model.rest) < 0.0;
     // Both cells at an inner face have it chosen, so leaving out the others first does not bare inner faces.
-    const auto is_beyond_cut = [&](Index i) {
-      const auto v = std::ranges::find(cell.particles, i) - cell.particles.begin();
-      return i < 0 || (cell.beyond_cut >> v & 1) != 0;
-    };
+    std::vector<FaceCut> cuts;
     each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
       if (!all_chosen(ring, chosen)) return;
       faces.push_back(candidate(ring, inside_out));
-      faces.back().beyond_cut = std::ranges::all_of(ring, is_beyond_cut);
+      if (cell.cuts.empty()) return;
+      cuts.clear();
+      add_cuts_of_face(cell, {ring[0], ring[1], ring[2]}, cuts);
+      faces.back().beyond_cut = !has_tissue(cuts);
     });
   }
   if (!made_of_cells) return explicit_facets(model, chosen);

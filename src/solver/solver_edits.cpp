@@ -58,12 +58,19 @@ void SolverBackend::do_body_changed(std::span<const Index>) {
   throw Error(ErrorCode::not_supported, "the backend \"" + name_ + "\" does not follow changes of its body");
 }
 
-/// Particles without mass at rest at their places.
+/// Particles without mass at rest at their places, held by no tool.
 State SolverBackend::without_removed(State state) const {
   for (std::size_t i = 0; i < state.position.size(); ++i) {
     if (topology_->mass[i] > 0.0) continue;
     state.position[i] = topology_->rest[i];
     state.velocity[i].setZero();
+  }
+  for (ToolState& tool : state.tools) {
+    for (std::size_t k = tool.held.size(); k-- > 0;) {
+      if (topology_->mass[tool.held[k]] > 0.0) continue;
+      tool.held.erase(tool.held.begin() + static_cast<std::ptrdiff_t>(k));
+      tool.held_at.erase(tool.held_at.begin() + static_cast<std::ptrdiff_t>(k));
+    }
   }
   return state;
 }

@@ -199,7 +199,10 @@ TEST(RemoveCells, KeepTheStepBelowItsLimit) {
       SCOPED_TRACE(kind.name);
       set_material(kind.model, {5e3, nu, 1000.0, kind.model.materials.front().fibre_ratio});
       for (int way = 0; way < 4; ++way) {
-        Simulation sim(kind.model);
+        SimulationOptions options;
+        options.topology.stabiliser = 0.4;
+        Simulation sim(kind.model, options);
+        static_cast<void>(sim.solver());  // there before: one made afterwards estimates its spectrum
         std::mt19937 bits(17 + way);
         std::vector<Index> rows;
         const auto count = static_cast<Index>(kind.model.cells.size());

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "support/every_backend.h"
 #include "support/message_of.h"
 #include "support/removable_body.h"
 
@@ -16,38 +17,37 @@ namespace {
 
 using namespace test;
 
+class RemovedCellsOn : public OnEveryBackend {};
+
 /// The two halves of a block, parted by a layer without cells, fall apart and land on each other again.
-TEST(RemovedCells, BareSurfacesThatTouch) {
-  for (const char* backend : {"reference", "cpu"}) {
-    SCOPED_TRACE(backend);
-    Simulation sim(make_block({0.03, 0.03, 0.06}, 3, 3, 6), options_for(backend));
-    sim.scene().fix("z0").gravity({0, 0, -9.81}).contacts({});
-    ASSERT_EQ(connected_bodies(sim.model()).size(), 1u);
-    std::vector<Index> layer;
-    for (Index row = 0; row < static_cast<Index>(sim.model().cells.size()); ++row) {
-      double low = 1.0;
-      for (const Index i : sim.model().cells[row].particles) low = std::min(low, sim.model().rest[i].z());
-      if (std::abs(low - 0.03) < 1e-6) layer.push_back(row);
-    }
-    ASSERT_EQ(layer.size(), 9u);
-    sim.remove_cells(layer);
-    const std::vector<ConnectedBody> pieces = connected_bodies(sim.model());
-    ASSERT_EQ(pieces.size(), 2u);
-    EXPECT_EQ(pieces[0].cells.size(), 27u);
-    EXPECT_NEAR(pieces[1].volume, 0.03 * 0.03 * 0.02, 1e-15);
-    ASSERT_TRUE(sim.advance(0.4).ok());
-    const State state = sim.solver().read();
-    double below = 0.0, above = 1.0;
-    for (std::size_t i = 0; i < state.position.size(); ++i) {
-      if (sim.model().rest[i].z() < 0.031) below = std::max(below, state.position[i].z());
-      if (sim.model().rest[i].z() > 0.039) above = std::min(above, state.position[i].z());
-    }
-    EXPECT_LT(above, 0.036);         // it fell
-    EXPECT_GT(above, below - 2e-3);  // and lies on the lower half
-    sim.remove_cells(pieces[1].cells);
-    EXPECT_EQ(connected_bodies(sim.model()).size(), 1u);
-    EXPECT_TRUE(sim.advance(0.05).ok());
+TEST_P(RemovedCellsOn, BareSurfacesThatTouch) {
+  Simulation sim(make_block({0.03, 0.03, 0.06}, 3, 3, 6), options_for(GetParam()));
+  sim.scene().fix("z0").gravity({0, 0, -9.81}).contacts({});
+  ASSERT_EQ(connected_bodies(sim.model()).size(), 1u);
+  std::vector<Index> layer;
+  for (Index row = 0; row < static_cast<Index>(sim.model().cells.size()); ++row) {
+    double low = 1.0;
+    for (const Index i : sim.model().cells[row].particles) low = std::min(low, sim.model().rest[i].z());
+    if (std::abs(low - 0.03) < 1e-6) layer.push_back(row);
   }
+  ASSERT_EQ(layer.size(), 9u);
+  sim.remove_cells(layer);
+  const std::vector<ConnectedBody> pieces = connected_bodies(sim.model());
+  ASSERT_EQ(pieces.size(), 2u);
+  EXPECT_EQ(pieces[0].cells.size(), 27u);
+  EXPECT_NEAR(pieces[1].volume, 0.03 * 0.03 * 0.02, 1e-15);
+  ASSERT_TRUE(sim.advance(0.4).ok());
+  const State state = sim.solver().read();
+  double below = 0.0, above = 1.0;
+  for (std::size_t i = 0; i < state.position.size(); ++i) {
+    if (sim.model().rest[i].z() < 0.031) below = std::max(below, state.position[i].z());
+    if (sim.model().rest[i].z() > 0.039) above = std::min(above, state.position[i].z());
+  }
+  EXPECT_LT(above, 0.036);         // it fell
+  EXPECT_GT(above, below - 2e-3);  // and lies on the lower half
+  sim.remove_cells(pieces[1].cells);
+  EXPECT_EQ(connected_bodies(sim.model()).size(), 1u);
+  EXPECT_TRUE(sim.advance(0.05).ok());
 }
 
 TEST(RemovedCells, ArePickedWhereTheyAreNow) {
@@ -64,52 +64,46 @@ TEST(RemovedCells, ArePickedWhereTheyAreNow) {
   EXPECT_TRUE(refuses([&] { static_cast<void>(sim.model().cells_in(low, VecList(3))); }, "got 3"));
 }
 
-TEST(RemovedCells, ReleaseToolsAndJoints) {
-  for (const char* backend : {"reference", "cpu"}) {
-    SCOPED_TRACE(backend);
-    Simulation sim(slab(), options_for(backend));
-    const Model& model = sim.model();
-    sim.scene().fix("x0");
-    const Vec3 corner(0.06, 0.04, 0.03);
-    Index at = 0;
-    for (Index i = 0; i < model.particle_count(); ++i) {
-      if ((model.rest[i] - corner).norm() < (model.rest[at] - corner).norm()) at = i;
-    }
-    Joint joint;
-    joint.stiffness = 1.0;
-    joint.springs.push_back({.a = {.particles = {at}, .weights = {1.0}}, .b = at_world(corner + Vec3(0.02, 0, 0))});
-    joint.springs.push_back({.a = {.particles = {0}, .weights = {1.0}}, .b = at_world(Vec3(-0.01, 0, 0))});
-    const JointHandle held = sim.scene().add_joint(joint);
-    ToolHandle tool = sim.scene().add_tool({.shape = Sphere{0.006}, .pose = {.position = corner}});
-    tool.grasp(0.002);
-    ASSERT_TRUE(sim.advance(0.005).ok());
-    ASSERT_GT(sim.solver().held(tool), 0);
-    const Snapshot before = sim.snapshot();
-    sim.remove_cells(cells_within(model, corner, 0.02));
-    ASSERT_EQ(model.mass[at], 0.0);
-    ASSERT_TRUE(sim.advance(0.005).ok());
-    EXPECT_EQ(sim.solver().held(tool), 0);
-    EXPECT_EQ(sim.force_on(tool).force, Vec3::Zero());
-    EXPECT_TRUE(sim.report_of(held).springs[0].broken);
-    EXPECT_FALSE(sim.report_of(held).springs[1].broken);
-    EXPECT_EQ(sim.report_of(held).broken, 1);
-    sim.restore(before);
-    ASSERT_TRUE(sim.advance(0.005).ok());
-    EXPECT_FALSE(sim.report_of(held).springs[0].broken);
+TEST_P(RemovedCellsOn, ReleaseToolsAndJoints) {
+  Simulation sim(slab(), options_for(GetParam()));
+  const Model& model = sim.model();
+  sim.scene().fix("x0");
+  const Vec3 corner(0.06, 0.04, 0.03);
+  Index at = 0;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if ((model.rest[i] - corner).norm() < (model.rest[at] - corner).norm()) at = i;
   }
+  Joint joint;
+  joint.stiffness = 1.0;
+  joint.springs.push_back({.a = {.particles = {at}, .weights = {1.0}}, .b = at_world(corner + Vec3(0.02, 0, 0))});
+  joint.springs.push_back({.a = {.particles = {0}, .weights = {1.0}}, .b = at_world(Vec3(-0.01, 0, 0))});
+  const JointHandle held = sim.scene().add_joint(joint);
+  ToolHandle tool = sim.scene().add_tool({.shape = Sphere{0.006}, .pose = {.position = corner}});
+  tool.grasp(0.002);
+  ASSERT_TRUE(sim.advance(0.005).ok());
+  ASSERT_GT(sim.solver().held(tool), 0);
+  const Snapshot before = sim.snapshot();
+  sim.remove_cells(cells_within(model, corner, 0.02));
+  ASSERT_EQ(model.mass[at], 0.0);
+  ASSERT_TRUE(sim.advance(0.005).ok());
+  EXPECT_EQ(sim.solver().held(tool), 0);
+  EXPECT_EQ(sim.force_on(tool).force, Vec3::Zero());
+  EXPECT_TRUE(sim.report_of(held).springs[0].broken);
+  EXPECT_FALSE(sim.report_of(held).springs[1].broken);
+  EXPECT_EQ(sim.report_of(held).broken, 1);
+  sim.restore(before);
+  ASSERT_TRUE(sim.advance(0.005).ok());
+  EXPECT_FALSE(sim.report_of(held).springs[0].broken);
 }
 
-TEST(RemovedCells, OpenAVolume) {
-  for (const char* backend : {"reference", "cpu"}) {
-    SCOPED_TRACE(backend);
-    Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for(backend));
-    sim.scene().fix("z0").gravity({0, 0, -30}).constrain_volume();
-    EXPECT_FALSE(sim.scene().any_volume_open());
-    sim.remove_cells(std::vector<Index>{26});
-    EXPECT_TRUE(sim.scene().is_open(0));
-    const StepReport report = sim.advance(0.1);
-    EXPECT_TRUE(report.ok()) << report.message();
-  }
+TEST_P(RemovedCellsOn, OpenAVolume) {
+  Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for(GetParam()));
+  sim.scene().fix("z0").gravity({0, 0, -30}).constrain_volume();
+  EXPECT_FALSE(sim.scene().any_volume_open());
+  sim.remove_cells(std::vector<Index>{26});
+  EXPECT_TRUE(sim.scene().is_open(0));
+  const StepReport report = sim.advance(0.1);
+  EXPECT_TRUE(report.ok()) << report.message();
 }
 
 TEST(RemovedCells, LeaveLoadsOnWhatIsThere) {
@@ -132,6 +126,8 @@ TEST(RemovedCells, LeaveLoadsOnWhatIsThere) {
   EXPECT_EQ(load().norm(), 0.0);
   EXPECT_TRUE(sim.advance(0.01).ok());
 }
+
+PHYMUL_ON_EVERY_BACKEND(RemovedCellsOn);
 
 }  // namespace
 }  // namespace phymul

@@ -189,7 +189,8 @@ class States(Refusals):
         cut = body.cut((0.05, 0, 0), (1, 0, 0), front=((0, 0.05, 0), (0, 1, 0)))
         self.assertGreater(cut.particles, body.particles)
         self.assertAlmostEqual(cut.masses.sum() / body.masses.sum(), 1.0)
-        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "is cut", cut.cut, (0.05, 0, 0), (1, 0, 0))
+        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "tetrahedra", phymul.make_block((1, 1, 1), 2, 2, 2).cut, (0.5, 0, 0), (1, 0, 0))
+        self.assertGreater(cut.cut((0, 0.05, 0), (0, 1, 0)).particles, cut.particles)
         self.assertEqual(body.cut((1, 0, 0), (1, 0, 0)).particles, body.particles)
 
     def test_recordings_repeat(self):

@@ -110,11 +110,10 @@ void DeviceSolver::drop() noexcept {
 void DeviceSolver::do_body_changed(std::span<const Index> domains) {
   Snapshot now;
   do_snapshot(now);
+  now.state = without_removed(std::move(now.state));
   for (const Index d : domains) {
     const auto i = static_cast<std::size_t>(topology().domains[d].particle);
-    if (topology().mass[i] > 0.0) continue;
-    now.state.position[i] = topology().rest[i];
-    now.state.velocity[i] = now.displacement[i] = Vec3::Zero();
+    if (topology().mass[i] == 0.0) now.displacement[i].setZero();
   }
   drop();
   build();

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "cut_cells.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace phymul {
+namespace {
+
+using Barycentric = Eigen::Vector4d;  // barycentric coordinates
+using CutPiece = std::array<Barycentric, 4>;
+
+/// Of the area of a face, by its barycentric coordinates: less is rounding.
+constexpr double no_area = 1e-9;
+
+double volume_of(const CutPiece& piece) {
+  Eigen::Matrix4d corners;
+  corners << piece[0], piece[1], piece[2], piece[3];
+  return std::abs(corners.determinant());
+}
+
+/// The part of a piece where a function is above 0, as tetrahedra: of four, three, two, one or no corner.
+void add_part_above(const CutPiece& piece, const CellCut& cut, std::vector<CutPiece>& parts) {
+  const Barycentric values(cut[0], cut[1], cut[2], cut[3]);
+  std::array<std::size_t, 4> above{}, below{};  // below: or on it
+  std::array<double, 4> value{};
+  std::size_t a = 0, b = 0;
+  for (std::size_t v = 0; v < 4; ++v) {
+    value[v] = values.dot(piece[v]);
+    (value[v] > 0.0 ? above[a++] : below[b++]) = v;
+  }
+  const auto crossing = [&](std::size_t i, std::size_t j) {
+    return Barycentric(piece[i] + value[i] / (value[i] - value[j]) * (piece[j] - piece[i]));
+  };
+  if (a == 4) {
+    parts.push_back(piece);
+  } else if (a == 3) {
+    const std::size_t tip = below[0];
+    const Barycentric l = crossing(above[0], tip), m = crossing(above[1], tip), n = crossing(above[2], tip);
+    parts.push_back({l, m, n, piece[above[0]]});
+    parts.push_back({m, n, piece[above[0]], piece[above[1]]});
+    parts.push_back({n, piece[above[0]], piece[above[1]], piece[above[2]]});
+  } else if (a == 2) {
+    const Barycentric &p = piece[above[0]], &q = piece[above[1]];
+    const Barycentric pa = crossing(above[0], below[0]), pb = crossing(above[0], below[1]);
+    const Barycentric qa = crossing(above[1], below[0]), qb = crossing(above[1], below[1]);
+    parts.push_back({p, pa, pb, q});
+    parts.push_back({q, pa, pb, qb});
+    parts.push_back({q, pa, qa, qb});
+  } else if (a == 1) {
+    parts.push_back(
+        {piece[above[0]], crossing(above[0], below[0]), crossing(above[0], below[1]), crossing(above[0], below[2])});
+  }
+}
+
+}  // namespace
+
+double tissue_share(std::span<const CellCut> cuts) {
+  std::vector<CutPiece> pieces{
+      {Barycentric::Unit(0), Barycentric::Unit(1), Barycentric::Unit(2), Barycentric::Unit(3)}},
+      parts;
+  for (const CellCut& cut : cuts) {
+    parts.clear();
+    for (const CutPiece& piece : pieces) add_part_above(piece, cut, parts);
+    pieces.swap(parts);
+  }
+  double sum = 0.0;
+  for (const CutPiece& piece : pieces) sum += volume_of(piece);
+  return sum;
+}
+
+/// Sutherland and Hodgman's clipping of a convex polygon.
+bool has_tissue(std::span<const FaceCut> cuts) {
+  std::vector<Vec3> polygon{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, clipped;
+  for (const FaceCut& cut : cuts) {
+    if (cut[0] == 0.0 && cut[1] == 0.0 && cut[2] == 0.0) continue;  // the face lies on the cut: it bounds the tissue
+    const Vec3 values(cut[0], cut[1], cut[2]);
+    clipped.clear();
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Vec3 &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
+      const double here = values.dot(from), there = values.dot(to);
+      if (here >= 0.0) clipped.push_back(from);
+      if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
+    }
+    polygon.swap(clipped);
+  }
+  Vec3 area = Vec3::Zero();
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    area += (polygon[k - 1] - polygon[0]).cross(polygon[k] - polygon[0]);
+  }
+  return area.norm() > no_area;
+}
+
+void add_cuts_of_face(const Cell& cell, const std::array<Index, 3>& face, std::vector<FaceCut>& cuts) {
+  for (const CellCut& cut : cell.cuts) {
+    FaceCut& own = cuts.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      own[k] = cut[static_cast<std::size_t>(std::ranges::find(cell.particles, face[k]) - cell.particles.begin())];
+    }
+  }
+}
+
+}  // namespace phymul
