@@ -99,6 +99,46 @@ double stress_of_cube(const Model& cube, const TopologyTextures& tables, bool sh
   return 1e-3 * (energy(amount + 1e-4) - energy(amount - 1e-4)) / 2e-4;  // of 1 m^3
 }
 
+/// Nominal stress, kPa, of a cube of 1 m at rest: drawn along x between sides that let it narrow, or sheared by all of
+/// its surface. From the force of its supports.
+double stress_of_body(const Material& material, bool shear, double amount) {
+  Simulation sim = simulation(make_block({1, 1, 1}, 2, 2, 2), material);
+  Scene& scene = sim.scene();
+  const Model& model = sim.model();
+  if (shear) {
+    for (const Index i : model.particles_in([](const Vec3& x) { return (x - Vec3::Constant(0.5)).norm() > 0.1; })) {
+      impose(scene, {i}, {amount * model.rest[i].y(), 0, 0}, "x", "yz");
+    }
+  } else {
+    impose(scene, model.group("x1"), {amount - 1, 0, 0}, "x");
+    for (const std::string axis : {"x", "y", "z"}) impose(scene, model.group(axis + '0'), Vec3::Zero(), "", axis);
+  }
+  rest(sim, "brain");
+  const std::vector<Index> face = model.group(shear ? "y1" : "x1");
+  return 1e-3 * support(face, sim.solver().topology(), scene, sim.state().position).force.x();
+}
+
+/// Fits StrainEnergy::stiffening with some of its terms to `points` and measures bodies of what was found.
+void fitted_brain(TruthTable& table, const std::vector<TestPoint>& points, const std::vector<std::string>& quantities,
+                  const FitOptions& options, const std::string& name) {
+  const MaterialFit fit = fit_material(points, {.poisson = 0.499, .density = 1040}, options);
+  const Material& m = fit.material;
+  const Stiffening& of = m.stiffening;
+  table.row("brain", "E, kPa", name, 27, 1e-3 * m.young, not_known);
+  for (const auto& [constant, value] : {std::pair{"exponential", of.exponential}, std::pair{"exponent", of.exponent},
+                                        std::pair{"second", of.second}, std::pair{"second_fades", of.second_fades}}) {
+    table.row("brain", constant, name, 27, value, not_known);
+  }
+  double largest = 0.0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const auto& [test, strain, stress] = points[k];
+    const double ours = stress_of_body(m, test == StrainTest::shear, strain);
+    table.row("brain", quantities[k], name, 27, ours);
+    largest = std::max(largest, std::abs(1e3 * ours / stress - 1));
+  }
+  table.row("brain", "largest error, %", name, 27, 100 * largest, not_known);
+}
+
 void brain(TruthTable& table, bool) {
   Model cube = make_block({1, 1, 1}, 2, 2, 2);
   set_material(cube, {.young = 2e3 * 1.49, .poisson = 0.49, .density = 1000});
@@ -133,6 +173,21 @@ void brain(TruthTable& table, bool) {
       if (of.empty() || p.branch == of) table.row("brain", p.quantity, fit, 27, mu * p.unit);
     }
   }
+  std::vector<TestPoint> tests;
+  std::vector<std::string> quantities;
+  for (const auto& [branch, amounts] : branches) {
+    for (const double a : amounts) {
+      quantities.push_back(branch + text(" %.4g", a));
+      tests.push_back({branch == "shear" ? StrainTest::shear : StrainTest::uniaxial, a,
+                       1e3 * table.measured("brain", quantities.back()).mean()});
+    }
+  }
+  constexpr FitGoal least = FitGoal::largest_error;
+  fitted_brain(table, tests, quantities, {least, false, false, false}, "neo-Hookean");
+  fitted_brain(table, tests, quantities, {least, true, false, false}, "exponential");
+  fitted_brain(table, tests, quantities, {least, true, true, false}, "exponential, second");
+  fitted_brain(table, tests, quantities, {least, true, true, true}, "all constants");
+  fitted_brain(table, tests, quantities, {}, "all constants, least squares");
 }
 
 // ---- C, D: Cook's membrane -----------------------------------------------------------------------------------------

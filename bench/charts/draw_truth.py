@@ -122,7 +122,8 @@ def draw_brain(rows, out, foot):
     figure, panels = plt.subplots(1, 3, figsize=(9.5, 3.3))
     for axes, branch in zip(panels, ("compression", "tension", "shear")):
         for k, (fit, label) in enumerate((("fit of all", "neo-Hookean, fitted to all"),
-                                          (f"fit of {branch}", "fitted to this branch alone"))):
+                                          (f"fit of {branch}", "neo-Hookean, fitted to this branch alone"),
+                                          ("all constants", "stiffening, fitted to all"))):
             found = [r for r in rows.all if r["case"] == "brain" and r["mesh"] == fit and r["quantity"].startswith(branch)]
             x = [float(r["quantity"].split()[1]) for r in found]
             axes.plot(x, [number(r, "ours") for r in found], "-s", markersize=3, color=INK[k], linewidth=1.1, label=label)

@@ -12,6 +12,7 @@ static_assert(static_cast<int>(CellType::tetrahedron) == PHYMUL_TETRAHEDRON);
 static_assert(static_cast<int>(CellType::wedge) == PHYMUL_WEDGE);
 static_assert(static_cast<int>(CellType::pyramid) == PHYMUL_PYRAMID);
 static_assert(static_cast<int>(CellType::hexahedron) == PHYMUL_HEXAHEDRON);
+static_assert(static_cast<int>(StrainTest::shear) == PHYMUL_SHEAR);
 static_assert(sizeof(std::array<Index, 3>) == 3 * sizeof(int32_t));
 
 namespace {
@@ -261,6 +262,34 @@ phymul_status phymul_body_cut(const phymul_body* body, const double point[3], co
     CutSurface cut = cut_plane(vector(point, "a point"), vector(normal, "a normal"));
     if (front_point) cut.front = cut_plane(vector(front_point, "a point"), vector(front_normal, "a normal")).distance;
     return cut_body(need(body, "a body").model, cut);
+  });
+}
+
+phymul_status phymul_fit_material(const phymul_material* start, const int32_t* tests, const double* strains,
+                                  const double* stresses, int32_t count, int32_t terms, int32_t least_largest,
+                                  phymul_material* fitted, double* largest_error, double* fitted_stresses) {
+  return guarded([&] {
+    const Place<phymul_material> place(fitted, "a place for the material");
+    list(tests, count, "kinds of tests");
+    list(strains, count, "strains");
+    list(stresses, count, "stresses");
+    std::vector<TestPoint> points(static_cast<std::size_t>(count));
+    for (int32_t n = 0; n < count; ++n) {
+      require_kind(tests[n], PHYMUL_UNIAXIAL, 2, "a kind of tests");
+      points[n] = {static_cast<StrainTest>(tests[n]), strains[n], stresses[n]};
+    }
+    require_kind(terms, 0, 8, "terms of the stiffening");
+    const FitOptions options{.goal = least_largest ? FitGoal::largest_error : FitGoal::least_squares,
+                             .exponential = (terms & PHYMUL_FIT_EXPONENTIAL) != 0,
+                             .second = (terms & PHYMUL_FIT_SECOND) != 0,
+                             .second_fades = (terms & PHYMUL_FIT_SECOND_FADES) != 0};
+    const MaterialFit fit = fit_material(points, material_of(start), options);
+    const Material& m = fit.material;
+    const Stiffening& of = m.stiffening;
+    place.fill({0, m.young, m.poisson, m.density, m.retardation_time, m.relaxation_strength, m.relaxation_time,
+                of.exponential, of.exponent, of.second, of.second_fades});
+    if (largest_error) *largest_error = fit.largest_error;
+    if (fitted_stresses) std::ranges::copy(fit.stress, fitted_stresses);
   });
 }
 

@@ -133,7 +133,8 @@ inline Material material_of(const phymul_material* given) {
           .density = from.density,
           .retardation_time = from.retardation_time,
           .relaxation_strength = from.relaxation_strength,
-          .relaxation_time = from.relaxation_time};
+          .relaxation_time = from.relaxation_time,
+          .stiffening = {from.exponential, from.exponent, from.second, from.second_fades}};
 }
 
 /// A result for a program, as far as its struct has room. To be made before anything happens.

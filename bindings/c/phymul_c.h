@@ -74,7 +74,24 @@ typedef struct phymul_material {
   double retardation_time;     // s
   double relaxation_strength;  // 1
   double relaxation_time;      // s, > 0 with a relaxation_strength
+  // Stiffening beyond small strains (include/phymul/model.h); 0: none.
+  double exponential;
+  double exponent;
+  double second;
+  double second_fades;
 } phymul_material;
+
+// Kinds of tests; strains: include/phymul/material_fit.h.
+enum { PHYMUL_UNIAXIAL = 0, PHYMUL_SHEAR = 1 };
+// Terms of the stiffening that are fitted. The others stay as they are in `start`.
+enum { PHYMUL_FIT_EXPONENTIAL = 1, PHYMUL_FIT_SECOND = 2, PHYMUL_FIT_SECOND_FADES = 4 };
+// fit_material: finds `young` and the stiffening of `start` from count points, stresses in Pa. least_largest 1: for the
+// least largest relative error, 0: by least squares. largest_error, relative, and fitted_stresses, Pa, [count], may be
+// NULL.
+PHYMUL_API phymul_status phymul_fit_material(const phymul_material* start, const int32_t* tests, const double* strains,
+                                             const double* stresses, int32_t count, int32_t terms,
+                                             int32_t least_largest, phymul_material* fitted, double* largest_error,
+                                             double* fitted_stresses);
 
 // A place around which a body is finer (fine_near): `spacing` within `radius`, plus half the distance outside.
 typedef struct phymul_fine_place {
@@ -95,7 +112,8 @@ PHYMUL_API phymul_status phymul_body_cylinder(double radius, double length, int3
                                               int32_t discs, phymul_body** made);
 // .pml, or a mesh: .msh, .vtk, .vtu. metres_per_unit of the file, 0: 1e-3 for .pml and 1 for meshes.
 PHYMUL_API phymul_status phymul_body_read(const char* path, double metres_per_unit, phymul_body** made);
-// make_body: fills a closed surface, about `spacing` m apart, finer around `places` (NULL, 0: nowhere). Group: "surface".
+// make_body: fills a closed surface, about `spacing` m apart, finer around `places` (NULL, 0: nowhere). Group:
+// "surface".
 PHYMUL_API phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, const int32_t* triangles,
                                           int32_t triangle_count, double spacing, const phymul_fine_place* places,
                                           int32_t place_count, phymul_body** made);
@@ -139,8 +157,8 @@ typedef void (*phymul_run_parts)(void* user, int32_t count, phymul_part part, vo
 
 typedef struct phymul_options {
   uint32_t size;
-  int32_t threads;           // of the backend "cpu"; 0: as many as the body has work for
-  const char* backend;       // NULL: "auto"
+  int32_t threads;                  // of the backend "cpu"; 0: as many as the body has work for
+  const char* backend;              // NULL: "auto"
   const phymul_material* material;  // NULL: bodies keep their materials
   double damping_rate;              // 1/s
   double step;                      // largest step, as a multiple of the stable one; 0: it follows the deformation
@@ -256,10 +274,10 @@ enum { PHYMUL_TOUCHES_PARTICLES = 0, PHYMUL_TOUCHES_SURFACE = 1 };  // ToolConta
 
 typedef struct phymul_tool_options {
   uint32_t size;
-  int32_t shape;        // PHYMUL_SPHERE and so on: include/phymul/tool.h
-  double radius;        // m, of a sphere or a capsule
-  double length;        // m, of a capsule
-  double half_size[3];  // m, of a box
+  int32_t shape;            // PHYMUL_SPHERE and so on: include/phymul/tool.h
+  double radius;            // m, of a sphere or a capsule
+  double length;            // m, of a capsule
+  double half_size[3];      // m, of a box
   const phymul_pose* pose;  // NULL: at the origin
   double friction;
   double compliance;  // m/N
@@ -270,12 +288,12 @@ typedef struct phymul_tool_options {
 
 typedef struct phymul_tool_force {  // of the particles on the tool
   uint32_t size;
-  double force[3];                  // N, of the last step
-  double torque[3];                 // N m, about the tool's position
-  double mean_force[3];             // N, over the steps of the last call
-  double mean_torque[3];            // N m
-  int32_t particles;                // that it pushed or held
-  int32_t held;                     // that it holds
+  double force[3];        // N, of the last step
+  double torque[3];       // N m, about the tool's position
+  double mean_force[3];   // N, over the steps of the last call
+  double mean_torque[3];  // N m
+  int32_t particles;      // that it pushed or held
+  int32_t held;           // that it holds
 } phymul_tool_force;
 
 PHYMUL_API phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options* options, uint64_t* tool);
@@ -294,8 +312,8 @@ typedef struct phymul_anchor {  // an end of a spring: a mean of particles, or a
   int32_t count;             // of particles
   const int32_t* particles;  // NULL: a point
   const double* weights;     // of sum 1; NULL: equal
-  uint64_t tool;    // of the point; 0: the world
-  double point[3];  // m, in the world or in the tool's frame
+  uint64_t tool;             // of the point; 0: the world
+  double point[3];           // m, in the world or in the tool's frame
 } phymul_anchor;
 
 typedef struct phymul_joint_options {

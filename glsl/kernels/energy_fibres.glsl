@@ -17,7 +17,7 @@ KERNEL Columns energy_stress(Columns H, real p[energy_constants]) {
 }
 
 // In place of squared_condition: along the fibres the slope of their force grows by (3 |F a|^2 - 1) / 2.
-KERNEL real fibre_condition(Columns H, real p[energy_constants]) {
+KERNEL real energy_condition(Columns H, real p[energy_constants]) {
   real3 a = real3(p[3], p[4], p[5]);
   real along = literal(1.0f) + literal(1.5f) * fibre_strain(a, times(H, a));
   real condition = squared_condition(H, change_of(H));

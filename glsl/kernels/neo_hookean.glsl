@@ -34,15 +34,19 @@ KERNEL real squared_condition(Columns H, Change change) {
   return select(room_within_the_law(of) < literal(0.0f), select(of.J > literal(0.0f), literal(1e6f), literal(2e6f)), condition);
 }
 
-// P over mu, of which `near` is J^(-2/3) [...] and g is J^(-2/3), where the far energy has a share w. No product has more
-// than four factors between sums and selections, and one of four is that of two products.
-KERNEL Columns far_stress(Columns near, Columns H, Change change, Invariants of, real g) {
+// Where the far energy has a share w.
+struct FarShare {
+  real share, slope;                   // w and dw/du
+  real d, u, within;                   // within: 1 / (1 + I1 / 3)
+  real inverse, inverse_square;        // of |cof(F)|; 0 where d has no direction
+};
+
+// No product has more than four factors between sums and selections, and one of four is that of two products.
+KERNEL FarShare far_share(Invariants of) {
   real zero = literal(0.0f);
   real one = literal(1.0f);
   real third = literal(0.33333334f);
   real root_of_three = literal(1.7320508f);
-  Columns F = plus_identity(H);
-  Columns cof = plus_identity(change.cof);
   // Where two stretches are nothing beside the third, d has no direction left.
   real least = literal(1e-12f) * (of.I1 * of.I1) + literal(1e-30f);
   real some = select(of.I2 > least, of.I2, one);
@@ -55,29 +59,59 @@ KERNEL Columns far_stress(Columns near, Columns H, Change change, Invariants of,
   t = select(room_within_the_law(of) < zero, select(t < one, t, one), zero);
   t = select(t > zero, t, zero);
   real w = (t * t) * (literal(3.0f) - literal(2.0f) * t);
-  real slope = select(t < one, literal(-15.0f) * (t * (one - t)), zero);  // dw/du
-  real rise = (literal(0.5f) * of.I1 - literal(2.5f) * d + literal(1.5f)) - literal(0.5f) * (g * of.I1 - literal(3.0f));
-  real half_by_u = (slope * rise) * within;
+  real slope = select(t < one, literal(-15.0f) * (t * (one - t)), zero);
+  return FarShare(w, slope, d, u, within, inverse, inverse_square);
+}
+
+// The far energy over mu, less the near one, which is (J^(-2/3) I1 - 3) / 2.
+KERNEL real rise_to_far(Invariants of, FarShare at, real g) {
+  return (literal(0.5f) * of.I1 - literal(2.5f) * at.d + literal(1.5f)) - literal(0.5f) * (g * of.I1 - literal(3.0f));
+}
+
+// P over mu, of which `near` is the near energy's, and the far energy's has the weight `far`; `rise`: from the near
+// energy to the far one.
+KERNEL Columns passed_stress(Columns near, Columns H, Change change, FarShare at, real far, real rise) {
+  real one = literal(1.0f);
+  real third = literal(0.33333334f);
+  real root_of_three = literal(1.7320508f);
+  Columns F = plus_identity(H);
+  Columns cof = plus_identity(change.cof);
+  real half_by_u = (at.slope * rise) * at.within;
   real by_u = half_by_u + half_by_u;
   // grad u = 2 within grad d - 2/3 u within F, grad d = inverse root_of_three cof - inverse^2 d A, A = grad I2 / 2
   Columns A = Columns(cross_product(cof.c1, F.c2) + cross_product(F.c1, cof.c2),
                       cross_product(cof.c2, F.c0) + cross_product(F.c2, cof.c0),
                       cross_product(cof.c0, F.c1) + cross_product(F.c0, cof.c1));
-  real by_d = by_u - literal(2.5f) * w;
-  Columns P = plus(scaled(one - w, near), scaled(w - (third * by_u) * u, F));
-  Columns D = minus(scaled(by_d * inverse, scaled(root_of_three, cof)), scaled(by_d * inverse_square, scaled(d, A)));
+  real by_d = by_u - literal(2.5f) * far;
+  Columns P = plus(scaled(one - at.share, near), scaled(far - (third * by_u) * at.u, F));
+  Columns D =
+      minus(scaled(by_d * at.inverse, scaled(root_of_three, cof)), scaled(by_d * at.inverse_square, scaled(at.d, A)));
   return plus(P, D);
 }
 
-KERNEL Columns neo_hookean_stress(Columns H, Change change, real mu, real K) {
+struct Near {
+  real inverse, root, g;  // 1 / J, J^(-1/3), J^(-2/3); 1 where J is not positive
+  Columns P;              // J^(-2/3) [...]
+};
+
+KERNEL Near near_stress(Columns H, Change change, Invariants of) {
   real tiny = literal(1e-9f);
-  Invariants of = invariants_of(H, change);
   real base = select(of.J > tiny, of.J, literal(1.0f));
   real root = inverse_cube_root(base);
   real g = select(of.J > tiny, root * root, literal(1.0f));
+  real inverse = literal(1.0f) / base;
   real excess = literal(3.0f) * (change.minors + change.determinant) + (change.trace - squared_norm(H));
-  real along = (literal(0.33333334f) * excess) * (literal(1.0f) / base);
-  Columns P = scaled(g, plus(minus(H, change.cof), scaled(along, plus_identity(change.cof))));
-  if (any_below(room_within_the_law(of), literal(0.0f))) P = far_stress(P, H, change, of, g);
+  real along = (literal(0.33333334f) * excess) * inverse;
+  return Near(inverse, root, g, scaled(g, plus(minus(H, change.cof), scaled(along, plus_identity(change.cof)))));
+}
+
+KERNEL Columns neo_hookean_stress(Columns H, Change change, real mu, real K) {
+  Invariants of = invariants_of(H, change);
+  Near near = near_stress(H, change, of);
+  Columns P = near.P;
+  if (any_below(room_within_the_law(of), literal(0.0f))) {
+    FarShare at = far_share(of);
+    P = passed_stress(P, H, change, at, at.share, rise_to_far(of, at, near.g));
+  }
   return plus(scaled(mu, P), volume_stress(change, K));
 }

@@ -76,6 +76,17 @@ struct Component {
   bool operator==(const Component&) const = default;
 };
 
+/// How the stress of a material rises beyond small strains: constants k, b, c, d of StrainEnergy::stiffening
+/// (topology.h), without units. They change neither Young's modulus nor Poisson's ratio. All 0: neo-Hookean.
+/// fit_material() finds them from a test.
+struct Stiffening {
+  double exponential = 0.0;   ///< k, >= 0: of the shear modulus, what grows exponentially (Demiray 1972)
+  double exponent = 0.0;      ///< b, >= 0
+  double second = 0.0;        ///< c: of the shear modulus, what the second invariant has (Mooney 1940, Rivlin 1948)
+  double second_fades = 0.0;  ///< d, >= 0: that term falls to half where J^(-2/3) tr(F^T F) - 3 = 1 / d
+  bool operator==(const Stiffening&) const = default;
+};
+
 /// Elastic material. The constants are those of small strains.
 struct Material {
   double young = 0.0;    ///< Young's modulus, Pa, > 0
@@ -96,6 +107,10 @@ struct Material {
   /// Relaxation in Crystalline Solids, 1972, ch. 3.
   double relaxation_strength = 0.0;
   double relaxation_time = 0.0;  ///< s; > 0 where relaxation_strength is
+
+  /// Beyond small strains. Not in a model that has fibres. set_material() throws Error if the stress of the material,
+  /// as if it were incompressible, does not rise with every stretch of 0.6 to 1.7 and amount of shear up to 1.
+  Stiffening stiffening{};
   bool operator==(const Material&) const = default;
 };
 

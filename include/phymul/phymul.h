@@ -16,6 +16,7 @@
 #include <phymul/label_file.h>
 #include <phymul/labels.h>
 #include <phymul/lml.h>
+#include <phymul/material_fit.h>
 #include <phymul/mesh.h>
 #include <phymul/model.h>
 #include <phymul/monitor.h>

@@ -28,6 +28,19 @@ inline double growth_exponent(const TopologyTextures& t) {
   return 1.0 + 1.6 * shear_over_bulk;
 }
 
+/// What stiffening alone can raise the largest eigenvalue by, in states that the law does not foresee.
+inline double most_stiffening(const TopologyTextures& t) {
+  double most = 1.0;
+  if (t.options.strain_energy != StrainEnergy::stiffening) return most;
+  for (const EnergyConstants& p : t.energies) {
+    const double end = p[3] > 0.0 ? most_exponent / p[3] : 0.0;  // X
+    for (const double X : {std::min(0.999 * end, 3.0), std::min(p[5] > 0.0 ? 1.0 / p[5] : 3.0, 3.0)}) {
+      most = std::max(most, 1.0 + growth_exponent(t) * share_of_shear(p) * stiffening_at(p, X));
+    }
+  }
+  return most;
+}
+
 /// Adds a domain of the particle, of which squared_condition() is known, to the counts.
 inline void count_beyond_law(double condition, Index particle, StrainSummary& to) {
   if (!(condition >= 1e6)) return;

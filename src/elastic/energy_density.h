@@ -17,6 +17,7 @@
 
 #include "base/inverse_cube_root.h"
 #include "force_volume.h"
+#include "model/stiffening.h"
 
 namespace phymul {
 
@@ -72,6 +73,17 @@ inline constexpr S end_of_law = S(0.6);  ///< u, below which the energy is not n
 template <class S>
 inline constexpr S begin_of_far = S(0.2);  ///< u, below which nothing of it is neo-Hookean
 
+/// The share w of what the energy passes to, and its derivative by u.
+template <class S>
+struct Passage {
+  S share, slope;
+};
+template <class S>
+Passage<S> passage_at(S u) {
+  const S width = end_of_law<S> - begin_of_far<S>, t = std::clamp((end_of_law<S> - u) / width, S(0), S(1));
+  return {t * t * (S(3) - S(2) * t), S(-6) * t * (S(1) - t) / width};
+}
+
 /// mu/2 (J^(-2/3) |F|^2 - 3) and what it passes to.
 template <class S>
 S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
@@ -82,14 +94,52 @@ S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   // g - 1 = (root^3 - 1) (root + 1) / (root^2 + root + 1) and I1 - 3, so that small strains keep their digits.
   const S less = -e / J * (root + S(1)) / (g + root + S(1));
   const S near = S(0.5) * (less * I1 + (S(2) * H.trace() + H.squaredNorm()));
-  const S width = end_of_law<S> - begin_of_far<S>, t = std::clamp((end_of_law<S> - of.u) / width, S(0), S(1));
-  const S w = t * t * (S(3) - S(2) * t), slope = S(-6) * t * (S(1) - t) / width,
-          far = S(0.5) * I1 - S(2.5) * of.d + S(1.5);
+  const auto [w, slope] = passage_at(of.u);
+  const S far = S(0.5) * I1 - S(2.5) * of.d + S(1.5);
   if (gradient) {
     const Mat<S> by_near = g * (F - I1 / (S(3) * J) * cofactor(F));
     *gradient = mu * ((S(1) - w) * by_near + w * (F - S(2.5) * of.by_d) + slope * (far - near) * of.by_u);
   }
   return mu * ((S(1) - w) * near + w * far);
+}
+
+/// (1 - k) X + k (e^(b X) - 1) / b, and its derivatives by X.
+template <class S>
+struct Exponential {
+  S energy, slope, rise;
+};
+template <class S>
+Exponential<S> exponential(S k, S b, S X) {
+  const S t = std::min(b * X, S(most_exponent)), e = std::exp(t);
+  const S grown = b > S(0) ? std::expm1(t) / b + e * (X - t / b) : X;
+  return {(S(1) - k) * X + k * grown, S(1) + k * (e - S(1)), b * X < S(most_exponent) ? k * b * e : S(0)};
+}
+
+/// The energy of StrainEnergy::stiffening over mu, without K U(J), of X and, while the passage leaves anything of it,
+/// of (1 - w) c (Y - X) / (1 + d X). `p`: EnergyConstants.
+template <class S>
+S stiffening_energy(const Mat<S>& F, const std::array<S, most_energy_constants>& p, Mat<S>* gradient) {
+  const S k = p[2], b = p[3], c = p[4], d = p[5];
+  Mat<S> by_X;
+  const S X = S(2) * neo_hookean_energy(F, S(1), &by_X);
+  const Exponential<S> first = exponential(k, b, X);
+  S energy = S(0.5) * first.energy;
+  if (gradient) *gradient = first.slope * by_X;
+  const HowFar<S> of = how_far(F);
+  const auto [w, slope] = passage_at(of.u);
+  if (c == S(0) || !(w < S(1))) return energy;
+  // cof(F) / J^(2/3) has the invariants of F / J^(1/3) in the other order: Y is X of it.
+  const Mat<S> cof = cofactor(F);
+  const S J = F.determinant(), g = std::pow(J, S(-2) / S(3)), I1 = F.squaredNorm(), I2 = cof.squaredNorm();
+  const S near_X = g * I1 - S(3), Y = g * g * I2 - S(3), within = S(1) / (S(1) + d * near_X);
+  const Mat<S> by_near_X = g * (F - I1 / (S(3) * J) * cof);
+  const Mat<S> by_Y = g * g * (I1 * F - F * F.transpose() * F - S(2) * I2 / (S(3) * J) * cof);
+  const S second = S(0.5) * c * (Y - near_X) * within;
+  if (gradient) {
+    *gradient += (S(1) - w) * (c * within * (by_Y - by_near_X) - S(2) * d * within * second * by_near_X) -
+                 slope * second * of.by_u;
+  }
+  return energy + (S(1) - w) * second;
 }
 
 /// Lame's constants at rest, Pa.
@@ -112,14 +162,33 @@ Mat<S> stress_near_rest(StrainEnergy energy, const std::array<S, most_energy_con
   return P + p[2] * a.dot(H * a) * a * a.transpose();
 }
 
+/// Bounds of StrainEnergy::stiffening: how much the stiffness of its shear rises over neo-Hookean's at X, and what
+/// share of the largest eigenvalue at rest, about K + 4/3 mu, that is. The share is to be raised to growth_exponent(),
+/// which (1 + e x)^(1/e) <= 1 + x takes into account. The factors 4 and 2 are calibrated, as that exponent is.
+template <class S>
+S stiffening_at(const std::array<S, most_energy_constants>& p, S X) {
+  const Exponential<S> first = exponential(p[2], p[3], X);
+  return first.slope - S(1) + S(2) * X * first.rise +
+         S(4) * std::abs(p[4]) * std::sqrt(std::max(X, S(0))) / (S(1) + p[5] * X);
+}
+template <class S>
+S share_of_shear(const std::array<S, most_energy_constants>& p) {
+  return S(2) * p[0] * p[1] / ((p[1] + S(4) / S(3) * p[0]) * (p[1] + S(1.6) * p[0]));
+}
+
 /// The square of the condition number |F| |F^-1| by Frobenius' norm, over its value 9 at rest; |F|^2 |cof(F)|^2 / 9
-/// where det F > 1; times what fibres grow by. 1e6 where the energy is not
-/// neo-Hookean alone, 2e6 where F is inverted.
+/// where det F > 1; times what fibres or stiffening grow by. 1e6 where the energy is not what it is near rest, 2e6
+/// where F is inverted.
 template <class S>
 S squared_condition(StrainEnergy energy, const std::array<S, most_energy_constants>& p, const Mat<S>& F) {
   const S J = F.determinant();
   if (!(how_far(F).u >= end_of_law<S>)) return J > S(0) ? S(1e6) : S(2e6);
   const S condition = F.squaredNorm() * cofactor(F).squaredNorm() / (S(9) * std::min(J * J, S(1)));
+  if (energy == StrainEnergy::stiffening) {
+    Mat<S> by_X;
+    const S X = S(2) * neo_hookean_energy(F, S(1), &by_X);
+    return std::min(condition * (S(1) + share_of_shear(p) * stiffening_at(p, X)), S(9e5));
+  }
   if (energy != StrainEnergy::fibres) return condition;
   const Vec<S> a(p[3], p[4], p[5]);
   return condition * std::max(S(1), S(1) + S(1.5) * ((F * a).squaredNorm() - a.squaredNorm()));
@@ -130,6 +199,11 @@ template <class S>
 S energy_density(const TopologyOptions& options, const std::array<S, most_energy_constants>& p, const Mat<S>& F,
                  Mat<S>* gradient) {
   if (gradient) gradient->setZero();
+  if (options.strain_energy == StrainEnergy::stiffening) {
+    const S shape = p[0] * stiffening_energy(F, p, gradient);
+    if (gradient) *gradient *= p[0];
+    return shape + volume_energy(F, p[1], options.volume_law, gradient);
+  }
   S energy = neo_hookean_energy(F, p[0], gradient);
   if (options.strain_energy == StrainEnergy::fibres) {
     energy += fibre_energy(F, p[2], Vec<S>(p[3], p[4], p[5]), gradient);

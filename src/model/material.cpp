@@ -14,6 +14,7 @@
 #include "group.h"
 #include "material.h"
 #include "point_cells.h"
+#include "stiffening.h"
 
 namespace phymul {
 namespace {
@@ -173,6 +174,8 @@ void require_in_range(const Material& material) {
     throw Error("material: expected a finite fibre_ratio of 1 (no fibres) or more, got " +
                 to_decimal(material.fibre_ratio));
   }
+  if (material.stiffening == Stiffening{}) return;
+  if (const std::string fault = fault_of(material.stiffening); !fault.empty()) throw Error("material: " + fault);
 }
 
 void set_material(Model& model, const Material& material) {

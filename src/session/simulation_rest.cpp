@@ -89,8 +89,10 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
     const int some = static_cast<int>(std::clamp(1.0 / (frequency * dt), 1.0 * fewest_steps, 1e6));
     const Damping critical{.rate = 2.0 * frequency};
     progress.steps_before = steps;
-    // Tools strain a body most, and where half of the stable step is too long it never rests.
-    if (!options.step && !scene.tools().empty()) dt = step_limit(std::numeric_limits<double>::infinity());
+    // Tools strain a body most, and where half of the stable step is too long it never rests. Stiffening bodies, whose
+    // frequencies rise most, may need less without tools.
+    const bool stiffens = elastic().options.strain_energy == StrainEnergy::stiffening;
+    if (!options.step && (stiffens || !scene.tools().empty())) dt = step_limit(std::numeric_limits<double>::infinity());
     const StepReport before = result.report;
     result = run_to_rest(std::min(some, max_steps - steps), dt, critical);
     result.report.force_clamped |= before.force_clamped;

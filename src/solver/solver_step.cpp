@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "elastic/domain_forces.h"
 #include "interaction/joint_set.h"
 #include "model/cell_geometry.h"
 #include "scene/loose_parts.h"
@@ -28,7 +29,8 @@ constexpr double farthest_sizes = 10.0;
 /// Of the stable step: where nothing is known of the deformation, and where nothing has raised the frequency. The
 /// latter is stable although frequency_growth() may be up to 20 % too low.
 constexpr double usual_share = 0.5, longest_share = 0.9;
-/// A growth by more than 13 is that of single domains, which do not set the step alone.
+/// A growth by more than 13, beyond that of a stiffening law, is that of single domains, which do not set the step
+/// alone.
 constexpr double shortest_share = 0.25;
 /// For longer than so many steps nothing says how a body will deform.
 constexpr double foreseen_steps = 16.0;
@@ -101,7 +103,8 @@ double SolverBackend::suggested_step(double seconds) const {
   }
   const double stretch = 1.0 + way / spacing_;
   const double share = longest_share / std::sqrt(growth * stretch * stretch);
-  return stable * std::clamp(share, shortest_share, is_foreseen ? longest_share : usual_share);
+  const double shortest = shortest_share / std::sqrt(most_stiffening(elastic()));
+  return stable * std::clamp(share, shortest, is_foreseen ? longest_share : usual_share);
 }
 
 StepReport SolverBackend::step(int n, double dt) {

@@ -237,6 +237,10 @@ bool has_fibres(const Model& model) {
   return std::ranges::any_of(model.materials, [](const Material& material) { return material.fibre_ratio > 1.0; });
 }
 
+bool stiffens(const Model& model) {
+  return std::ranges::any_of(model.materials, [](const Material& m) { return m.stiffening != Stiffening{}; });
+}
+
 /// TopologyTextures::dissipation.
 std::vector<DissipationTexel> dissipation_of(const Model& model, const Domains& domains) {
   bool any = false;
@@ -278,6 +282,14 @@ VecList fibres_of(const Model& model, const Domains& domains) {
 
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
   if (has_fibres(model)) topology.options.strain_energy = StrainEnergy::fibres;
+  if (stiffens(model)) {
+    if (has_fibres(model)) {
+      throw Error(ErrorCode::invalid_model,
+                  "a model has a material with fibre_ratio above 1 and one with stiffening; expected one of the two, "
+                  "because a body has one strain energy: set fibre_ratio to 1 or stiffening to zeros everywhere");
+    }
+    topology.options.strain_energy = StrainEnergy::stiffening;
+  }
   const bool points = is_body_of_points(model);
   PointDomains body;
   if (points) body = point_domains(model);

@@ -22,7 +22,8 @@ struct EnergyKind {
 
 /// In the order of the enumerators.
 inline constexpr std::array energy_kinds{EnergyKind{StrainEnergy::neo_hookean, "neo_hookean", 3, 2, 2},
-                                         EnergyKind{StrainEnergy::fibres, "fibres", 4, 6, 3}};
+                                         EnergyKind{StrainEnergy::fibres, "fibres", 4, 6, 3},
+                                         EnergyKind{StrainEnergy::stiffening, "stiffening", 5, 6, 2}};
 
 /// Below it rough motions would cost next to nothing. A part without a particle inside, as a single layer of cells, has
 /// few of them, and calibration finds 0.1 to 0.25 there: with 0.25 plates of tetrahedra are an eighth too stiff.
@@ -37,6 +38,10 @@ inline EnergyConstants energy_constants(StrainEnergy energy, const Material& mat
   const double mu = material.young / (2.0 * (1.0 + material.poisson));
   const double bulk = material.young / (3.0 * (1.0 - 2.0 * material.poisson));
   if (energy == StrainEnergy::neo_hookean) return {mu, bulk};
+  if (energy == StrainEnergy::stiffening) {
+    const Stiffening& of = material.stiffening;
+    return {mu, bulk, of.exponential, of.exponent, of.second, of.second_fades};
+  }
   return {mu, bulk, (material.fibre_ratio - 1.0) * material.young, fibre.x(), fibre.y(), fibre.z()};
 }
 

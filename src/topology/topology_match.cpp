@@ -26,6 +26,8 @@ std::uint64_t of_cells(const Model& model) {
 void add_elasticity(Fnv& sum, const Material& material) {
   sum.add(material.young, material.poisson, material.retardation_time, material.relaxation_strength,
           material.relaxation_time);
+  const Stiffening& of = material.stiffening;
+  if (of != Stiffening{}) sum.add(of.exponential, of.exponent, of.second, of.second_fades);
 }
 
 /// Cell by cell: a row of Model::materials that no cell has moves nothing. Rows count, because
@@ -107,7 +109,8 @@ void require_same_body(const TopologyTextures& topology, const Model& model) {
   const ModelFingerprint own = model_fingerprint(model);
   require_same(topology.model->cells, own.cells, "its cells were others, or in another order");
   require_same(topology.model->materials, own.materials,
-               "cells had another Young's modulus, Poisson's ratio, dissipation or row of Model::materials, or none");
+               "cells had another Young's modulus, Poisson's ratio, dissipation, stiffening or row of "
+               "Model::materials, or none");
   require_same(topology.model->stiffness, own.stiffness, "particles had another stiffness");
   require_same(topology.model->neighbours, own.neighbours, "particles had other neighbours, or in another order");
 }

@@ -14,7 +14,7 @@ set(rooms
     "scene scene load load_frame bodies"
     "io pml lml mesh surface_file label_file writer"
     "topology topology topology_textures"
-    "elastic elasticity step_limit"
+    "elastic elasticity material_fit step_limit"
     "interaction virtual_coupling"
     "solver gl solver solver_options step_report backend"
     "statics statics"

@@ -20,9 +20,18 @@ double bulk_of(double poisson) {
   return 2.0 * shear * (1.0 + poisson) / (3.0 * (1.0 - 2.0 * poisson));
 }
 
-double energy_of(const Mat3& F, double bulk, Mat3* gradient = nullptr) {
-  return energy_density<double>({}, {shear, bulk}, F, gradient);
+double energy_of(const Mat3& F, double bulk, Mat3* gradient = nullptr, const Stiffening& of = {}) {
+  if (of == Stiffening{}) return energy_density<double>({}, {shear, bulk}, F, gradient);
+  return energy_density<double>({.strain_energy = StrainEnergy::stiffening},
+                                {shear, bulk, of.exponential, of.exponent, of.second, of.second_fades}, F, gradient);
 }
+
+/// None, like cortex, and the laws of Mooney and Rivlin, Demiray, and Veronda and Westmann.
+constexpr Stiffening laws[] = {{},
+                               like_cortex,
+                               {.second = 0.5},
+                               {.exponential = 1.0, .exponent = 20.0},
+                               {.exponential = 2.0, .exponent = 5.0, .second = -1.0}};
 
 Mat3 random_turn(std::mt19937& bits) {
   std::normal_distribution<double> any;
@@ -53,9 +62,12 @@ TEST(EnergyDensity, ItsGradientIsTheSlopeOfTheEnergyEverywhere) {
     Mat3 F, way, gradient;
     for (double& f : F.reshaped()) f = any(bits) * std::pow(10.0, 0.3 * any(bits));
     for (double& f : way.reshaped()) f = any(bits);
-    energy_of(F, bulk, &gradient);
+    if (k % 2 == 1) F = Mat3::Identity() + 0.1 * F;
+    const Stiffening& law = laws[k % std::size(laws)];
+    energy_of(F, bulk, &gradient, law);
     const double slope = gradient.cwiseProduct(way).sum();
-    const double found = (energy_of(F + h * way, bulk) - energy_of(F - h * way, bulk)) / (2 * h);
+    const double found =
+        (energy_of(F + h * way, bulk, nullptr, law) - energy_of(F - h * way, bulk, nullptr, law)) / (2 * h);
     EXPECT_NEAR(found, slope, 1e-4 * gradient.norm() * way.norm() + 1e-3) << F;
   }
 }
@@ -66,14 +78,16 @@ TEST(EnergyDensity, HasNoMinimaButRotations) {
   std::normal_distribution<double> any;
   for (const double poisson : {-0.3, 0.3, 0.45}) {
     const double bulk = bulk_of(poisson);
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < 200; ++k) {
+      const Stiffening& law = laws[k < 100 ? 0 : k % std::size(laws)];
       Mat3 F, gradient;
       for (double& f : F.reshaped()) f = any(bits) * std::exp(0.7 * any(bits));
       if (k % 4 == 0) F.row(2) *= 1e-3;
       if (k % 4 == 1) F *= 1e-2;
       for (int step = 0; step < 20000; ++step) {
-        energy_of(F, bulk, &gradient);
-        F -= 0.02 / (shear + bulk) * std::min(1.0, (shear + bulk) * 5.0 / gradient.norm()) * gradient;
+        energy_of(F, bulk, &gradient, law);
+        F -= (k < 100 ? 0.02 : 0.005) / (shear + bulk) * std::min(1.0, (shear + bulk) * 5.0 / gradient.norm()) *
+             gradient;
       }
       EXPECT_LT((F.transpose() * F - Mat3::Identity()).norm(), 1e-3) << poisson << '\n' << F;
       EXPECT_GT(F.determinant(), 0.0);

@@ -80,6 +80,7 @@ void model(std::string_view bytes) {
     Material material{.young = 1e3, .poisson = 0.45 * in.real(), .density = 1000};
     if (in.below(4) == 0) material = {in.real(), in.real(), in.real(), in.real()};
     if (in.below(4) == 0) material.retardation_time = in.real();
+    if (in.below(4) == 0) material.stiffening = {in.real(), in.real(), in.real(), in.real()};
     accepts([&] { set_material(any, material); });
     check_model(any);
   }
@@ -87,7 +88,7 @@ void model(std::string_view bytes) {
   if (in.below(2) == 0) options.law = static_cast<Law>(in.below(2));
   options.reaction = static_cast<Reaction>(in.below(5));
   options.bases = static_cast<BaseSelection>(in.below(2));
-  options.strain_energy = static_cast<StrainEnergy>(in.below(2));
+  options.strain_energy = static_cast<StrainEnergy>(in.below(3));
   options.on_sparse = static_cast<SparseParticle>(in.below(2));
   if (in.below(4) == 0) options.volume_stiffness = in.real();
   simulate(any, options);

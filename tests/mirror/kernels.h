@@ -74,6 +74,15 @@ struct NeoHookean {
 };
 
 template <class S, bool bounded_volume = true>
+struct Stiffening {
+  PHYMUL_KERNEL_WORDS
+#include "kernels/columns.glsl"
+#include "kernels/energy_stiffening.glsl"
+#include "kernels/neo_hookean.glsl"
+#include "kernels/volume.glsl"
+};
+
+template <class S, bool bounded_volume = true>
 struct Fibres {
   PHYMUL_KERNEL_WORDS
 #include "kernels/columns.glsl"
@@ -91,6 +100,8 @@ void with_energy(const TopologyOptions& options, const Call& call) {
       return bounded ? call(NeoHookean<S, true>{}) : call(NeoHookean<S, false>{});
     case StrainEnergy::fibres:
       return bounded ? call(Fibres<S, true>{}) : call(Fibres<S, false>{});
+    case StrainEnergy::stiffening:
+      return bounded ? call(Stiffening<S, true>{}) : call(Stiffening<S, false>{});
   }
 }
 

@@ -57,6 +57,12 @@ std::vector<ScaledBody> cases() {
              return model;
            },
            {}},
+          {"stiffening",
+           [=](Tissues t) {
+             t.tissue.stiffening = like_cortex;
+             return with_tumour(tetrahedra, t.tissue, t.tumour);
+           },
+           {}},
           {"strip", of(make_strip(0.04, 0.02, 10, 5)), {}},
           {"points",
            [](const Tissues& t) {

@@ -143,6 +143,7 @@ struct Variant {
   bool material = false;  ///< gives the body soft_tissue first
   double poisson = 0.3;
   double fibre_ratio = 1.0;
+  Stiffening stiffening{};
 };
 
 inline Material soft_tissue(double poisson = 0.3) {
@@ -222,12 +223,16 @@ inline Model with_harder_half(Model model, const Material& soft, const Material&
   return model;
 }
 
+/// Nearly those of human cortex (docs/measurements/truth.md, B).
+inline constexpr Stiffening like_cortex{.exponential = 0.3, .exponent = 40.0, .second = 10.0, .second_fades = 20.0};
+
 /// Law::particle_averaged.
 inline std::vector<Variant> averaged_variants() {
   return {{"material", {}, true},
           {"material nu 0.45", {}, true, 0.45},
           {"material quadratic volume", {.volume_law = VolumeLaw::quadratic}, true},
-          {"fibres", {}, true, 0.3, 4.0}};
+          {"fibres", {}, true, 0.3, 4.0},
+          {"stiffening", {}, true, 0.45, 1.0, like_cortex}};
 }
 
 /// Every other energy the library has that is exactly conservative.
@@ -267,6 +272,7 @@ inline Model prepared(const Variant& variant, const Body& body) {
   if (!variant.material) return model;
   Material tissue = soft_tissue(variant.poisson);
   tissue.fibre_ratio = variant.fibre_ratio;
+  tissue.stiffening = variant.stiffening;
   set_material(model, tissue);
   for (std::size_t c = 0; c < model.cells.size(); ++c) {  // another direction in each cell
     const auto angle = static_cast<double>(c);

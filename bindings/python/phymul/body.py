@@ -27,10 +27,43 @@ class Material:
     retardation_time: float = 0.0  # s; this and the next two are its dissipation, 0: none
     relaxation_strength: float = 0.0
     relaxation_time: float = 0.0  # s
+    exponential: float = 0.0  # this and the next three are its stiffening beyond small strains, 0: none
+    exponent: float = 0.0
+    second: float = 0.0
+    second_fades: float = 0.0
 
     @property
     def _struct(self) -> Any:
         return sized("phymul_material", **asdict(self))
+
+
+@dataclass(frozen=True)
+class MaterialFit:
+    material: Material
+    stress: np.ndarray  # Pa, of the material at the points of uniaxial, then of shear
+    largest_error: float  # relative
+
+
+def fit_material(uniaxial: Any = (), shear: Any = (), *, poisson: float, density: float, goal: str = "least_squares",
+                 terms: Sequence[str] = ("exponential", "second", "second_fades")) -> MaterialFit:
+    """The material whose stresses are nearest to those of tests: rows of a stretch, or an amount of shear, and the
+    nominal stress in Pa. goal: of the relative errors, "least_squares" or "largest_error". Constants not in `terms`
+    are 0."""
+    goals = ["least_squares", "largest_error"]
+    bits = {"exponential": 1, "second": 2, "second_fades": 4}
+    if goal not in goals or not set(terms) <= set(bits):
+        raise Error(f"fit_material: expected a goal of {goals} and terms of {list(bits)}, got {goal!r} and {terms!r}")
+    tables = [floats(table, (-1, 2), f"rows of strain and stress ({name})") if len(table) else np.empty((0, 2))
+              for name, table in (("uniaxial", uniaxial), ("shear", shear))]
+    kinds = integers(np.repeat([0, 1], [len(table) for table in tables]), 1, "kinds of tests")
+    strains, stresses = np.ascontiguousarray(np.concatenate(tables).T)
+    start, fitted = Material(0.0, poisson, density)._struct, sized("phymul_material")
+    error, stress = ctypes.c_double(), np.empty(len(kinds))
+    library.phymul_fit_material(ctypes.byref(start), kinds.ctypes.data, strains.ctypes.data, stresses.ctypes.data,
+                                len(kinds), sum(bits[term] for term in set(terms)), goals.index(goal),
+                                ctypes.byref(fitted), ctypes.byref(error), stress.ctypes.data)
+    material = Material(**{name: getattr(fitted, name) for name in Material.__dataclass_fields__})
+    return MaterialFit(material, stress, error.value)
 
 
 class Body(Owner):
@@ -110,10 +143,10 @@ class Body(Owner):
         return np.linalg.norm(self.rest - floats(centre, (3,), "a centre"), axis=1) <= radius
 
     def set_material(self, young: float, poisson: float, density: float, group: Optional[str] = None,
-                     **dissipation: float) -> Material:
+                     **further: float) -> Material:
         """Pa, 1, kg/m^3, and the other constants of Material by name; of the whole body, or of the cells of a group.
         Masses follow from the density."""
-        material = Material(young, poisson, density, **dissipation)
+        material = Material(young, poisson, density, **further)
         library.phymul_body_set_material(self._pointer, ctypes.byref(material._struct),
                                          group.encode() if group else None)
         return material

@@ -3,6 +3,7 @@ import pathlib
 import re
 import tempfile
 import unittest
+from dataclasses import asdict
 
 import numpy as np
 
@@ -74,6 +75,23 @@ class Bodies(Refusals):
         self.assertAlmostEqual(block.masses.sum(), 1000 * 8e-6, places=12)
         block.set_material(5e3, 0.4, 3000, group="right")
         self.assertAlmostEqual(block.masses.sum(), 2000 * 8e-6, places=12)
+
+    def test_materials_are_fitted_to_tests(self):
+        known = phymul.Material(6e3, 0.49, 1000, exponential=0.4, exponent=12, second=2, second_fades=5)
+        stretches = [0.8, 0.9, 0.95, 1.05, 1.1, 1.2]
+        fit = phymul.fit_material([(s, 1e3 * (s - 1)) for s in stretches], [(0.2, 400)], poisson=0.49, density=1000)
+        again = phymul.fit_material(np.transpose([stretches, fit.stress[:-1]]), [(0.2, fit.stress[-1])], poisson=0.49,
+                                    density=1000, goal="largest_error")
+        self.assertLess(again.largest_error, 1e-4)
+        self.assertAlmostEqual(again.material.young / fit.material.young, 1, delta=0.01)
+        block = phymul.make_block((0.04, 0.02, 0.01), 4, 2, 1)
+        self.assertEqual(block.set_material(**asdict(known)), known)
+        with self.assertRaisesRegex(phymul.Error, "point 0: expected a stretch from 0.6 to 1.7"):
+            phymul.fit_material([(3, 100)] * 6, poisson=0.49, density=1000)
+        with self.assertRaisesRegex(phymul.Error, "goal"):
+            phymul.fit_material([(1.1, 100)], poisson=0.49, density=1000, goal="best")
+        with self.assertRaisesRegex(phymul.Error, "stress rises"):
+            block.set_material(5e3, 0.45, 1000, second=6)
 
     def test_surfaces_are_filled(self):
         ball = phymul.make_body(CUBE, FACES, 0.006)

@@ -143,8 +143,8 @@ PHYMUL_INLINE Columns averaged_stress(const simd::Averaged& body, int slice, con
   const Columns P = Energy::energy_stress(H, p);
   float* const condition =
       body.condition == nullptr ? nullptr : body.condition + static_cast<std::int64_t>(slice) * lanes;
-  if constexpr (requires { Energy::fibre_condition(H, p); }) {
-    if (condition) store(condition, Energy::fibre_condition(H, p));
+  if constexpr (requires { Energy::energy_condition(H, p); }) {
+    if (condition) store(condition, Energy::energy_condition(H, p));
   } else if constexpr (requires { Energy::squared_condition(H, Energy::change_of(H)); }) {
     if (condition) store(condition, Energy::squared_condition(H, Energy::change_of(H)));
   }

@@ -61,6 +61,14 @@ struct NeoHookean {
 };
 
 template <bool bounded_volume>
+struct Stiffening {
+#include "kernels/columns.glsl"
+#include "kernels/energy_stiffening.glsl"
+#include "kernels/neo_hookean.glsl"
+#include "kernels/volume.glsl"
+};
+
+template <bool bounded_volume>
 struct Fibres {
 #include "kernels/columns.glsl"
 #include "kernels/energy_fibres.glsl"
@@ -114,7 +122,7 @@ struct StressNearRest {
 /// In the order of StrainEnergy.
 template <template <bool bounded_volume> class... Energies>
 struct EnergyList {};
-using Energies = EnergyList<NeoHookean, Fibres>;
+using Energies = EnergyList<NeoHookean, Fibres, Stiffening>;
 
 #undef KERNEL
 #undef KERNEL_CONSTANT

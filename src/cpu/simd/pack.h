@@ -168,6 +168,9 @@ PHYMUL_INLINE Pack all(float value) {
 PHYMUL_INLINE Pack select(Ints mask, Pack a, Pack b) {
   return mask ? a.v : b.v;
 }
+PHYMUL_INLINE Pack3 select(Ints mask, Pack3 a, Pack3 b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
 /// Whether a < b in some lane.
 PHYMUL_INLINE bool any_below(Pack a, Pack b) {
 #if PHYMUL_LANES == 16
