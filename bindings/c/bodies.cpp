@@ -266,8 +266,8 @@ phymul_status phymul_body_cut(const phymul_body* body, const double point[3], co
 }
 
 phymul_status phymul_fit_material(const phymul_material* start, const int32_t* tests, const double* strains,
-                                  const double* stresses, int32_t count, int32_t terms, int32_t least_largest,
-                                  phymul_material* fitted, double* largest_error, double* fitted_stresses) {
+                                  const double* stresses, int32_t count, int32_t terms, int32_t goal,
+                                  phymul_material* fitted, double* error, double* fitted_stresses) {
   return guarded([&] {
     const Place<phymul_material> place(fitted, "a place for the material");
     list(tests, count, "kinds of tests");
@@ -279,16 +279,22 @@ phymul_status phymul_fit_material(const phymul_material* start, const int32_t* t
       points[n] = {static_cast<StrainTest>(tests[n]), strains[n], stresses[n]};
     }
     require_kind(terms, 0, 8, "terms of the stiffening");
-    const FitOptions options{.goal = least_largest ? FitGoal::largest_error : FitGoal::least_squares,
+    const FitOptions options{.goal = goal ? FitGoal::largest_error : FitGoal::least_squares,
                              .exponential = (terms & PHYMUL_FIT_EXPONENTIAL) != 0,
                              .second = (terms & PHYMUL_FIT_SECOND) != 0,
-                             .second_fades = (terms & PHYMUL_FIT_SECOND_FADES) != 0};
+                             .second_fades = (terms & PHYMUL_FIT_FADES) != 0};
     const MaterialFit fit = fit_material(points, material_of(start), options);
     const Material& m = fit.material;
     const Stiffening& of = m.stiffening;
-    place.fill({0, m.young, m.poisson, m.density, m.retardation_time, m.relaxation_strength, m.relaxation_time,
-                of.exponential, of.exponent, of.second, of.second_fades});
-    if (largest_error) *largest_error = fit.largest_error;
+    place.fill({0,
+                m.young,
+                m.poisson,
+                m.density,
+                m.retardation_time,
+                m.relaxation_strength,
+                m.relaxation_time,
+                {of.exponential, of.exponent, of.second, of.second_fades}});
+    if (error) *error = fit.largest_error;
     if (fitted_stresses) std::ranges::copy(fit.stress, fitted_stresses);
   });
 }

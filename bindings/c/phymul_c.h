@@ -68,30 +68,18 @@ PHYMUL_API phymul_status phymul_surface_triangles(const phymul_surface* surface,
 typedef struct phymul_material {
   uint32_t size;
   double young;    // Pa, > 0
-  double poisson;  // in (-3/8, 1/2)
+  double poisson;  // in (-1, 1/2)
   double density;  // kg/m^3, > 0
-  // Dissipation (docs/guide/bodies.md); 0: none.
-  double retardation_time;     // s
+  double retardation_time;     // s; it and the next two: dissipation (docs/guide/bodies.md), 0: none
   double relaxation_strength;  // 1
   double relaxation_time;      // s, > 0 with a relaxation_strength
-  // Stiffening beyond small strains (include/phymul/model.h); 0: none.
-  double exponential;
-  double exponent;
-  double second;
-  double second_fades;
+  double stiffening[4];        // exponential, exponent, second, second_fades (include/phymul/model.h); 0: none
 } phymul_material;
-
-// Kinds of tests; strains: include/phymul/material_fit.h.
-enum { PHYMUL_UNIAXIAL = 0, PHYMUL_SHEAR = 1 };
-// Terms of the stiffening that are fitted. The others stay as they are in `start`.
-enum { PHYMUL_FIT_EXPONENTIAL = 1, PHYMUL_FIT_SECOND = 2, PHYMUL_FIT_SECOND_FADES = 4 };
-// fit_material: finds `young` and the stiffening of `start` from count points, stresses in Pa. least_largest 1: for the
-// least largest relative error, 0: by least squares. largest_error, relative, and fitted_stresses, Pa, [count], may be
-// NULL.
+// fit_material to count points. goal 0: least squares, 1: least largest error; error and fitted_stresses may be NULL.
+enum { PHYMUL_UNIAXIAL = 0, PHYMUL_SHEAR = 1, PHYMUL_FIT_EXPONENTIAL = 1, PHYMUL_FIT_SECOND = 2, PHYMUL_FIT_FADES = 4 };
 PHYMUL_API phymul_status phymul_fit_material(const phymul_material* start, const int32_t* tests, const double* strains,
-                                             const double* stresses, int32_t count, int32_t terms,
-                                             int32_t least_largest, phymul_material* fitted, double* largest_error,
-                                             double* fitted_stresses);
+                                             const double* stresses, int32_t count, int32_t terms, int32_t goal,
+                                             phymul_material* fitted, double* error, double* fitted_stresses);
 
 // A place around which a body is finer (fine_near): `spacing` within `radius`, plus half the distance outside.
 typedef struct phymul_fine_place {
@@ -112,8 +100,7 @@ PHYMUL_API phymul_status phymul_body_cylinder(double radius, double length, int3
                                               int32_t discs, phymul_body** made);
 // .pml, or a mesh: .msh, .vtk, .vtu. metres_per_unit of the file, 0: 1e-3 for .pml and 1 for meshes.
 PHYMUL_API phymul_status phymul_body_read(const char* path, double metres_per_unit, phymul_body** made);
-// make_body: fills a closed surface, about `spacing` m apart, finer around `places` (NULL, 0: nowhere). Group:
-// "surface".
+// make_body: fills a closed surface, about `spacing` m apart, finer around places (NULL: nowhere). Group: "surface".
 PHYMUL_API phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, const int32_t* triangles,
                                           int32_t triangle_count, double spacing, const phymul_fine_place* places,
                                           int32_t place_count, phymul_body** made);
@@ -128,12 +115,11 @@ PHYMUL_API void phymul_body_free(phymul_body* body);
 
 PHYMUL_API phymul_status phymul_body_rest(phymul_body* body, const double** rest, int32_t* particle_count);  // m
 PHYMUL_API phymul_status phymul_body_masses(const phymul_body* body, double* masses);  // fills [particle_count], kg
-// As phymul_body_from_arrays has them.
-PHYMUL_API phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const int32_t** first,
+PHYMUL_API phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const int32_t** first,  // as above
                                            const int32_t** particles, int32_t* cell_count);
-// Of the outside, counter-clockwise seen from there.
 PHYMUL_API phymul_status phymul_body_triangles(phymul_body* body, const int32_t** triangles, int32_t* count);
-// What was found or corrected. This and the next two: valid until the next call of the same function with this body.
+// Triangles are counter-clockwise seen from outside. Notes say what was found or corrected; they and the next two are
+// valid until the next call of the same function with this body.
 PHYMUL_API phymul_status phymul_body_notes(phymul_body* body, const char** notes);
 PHYMUL_API phymul_status phymul_body_groups(phymul_body* body, const char** names);
 PHYMUL_API phymul_status phymul_body_group(phymul_body* body, const char* name, const int32_t** particles,

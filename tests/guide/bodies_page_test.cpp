@@ -54,6 +54,19 @@ TEST(GuideBodies, MakesGroupsAndSetsMaterials) {
   EXPECT_EQ(model.materials.size(), 2U);
 }
 
+TEST(GuideBodies, FitsAMaterialToTests) {
+  phymul::Model model = phymul::make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+
+  using enum phymul::StrainTest;
+  const std::vector<phymul::TestPoint> measured{{uniaxial, 0.9, -1148}, {uniaxial, 0.95, -350},  // stretch, Pa
+                                                {uniaxial, 1.05, 149},  {uniaxial, 1.1, 415},
+                                                {shear, 0.1, 141},      {shear, 0.2, 544}};  // amount, Pa
+  const phymul::MaterialFit fit = phymul::fit_material(measured, {.poisson = 0.49, .density = 1040});
+  phymul::set_material(model, fit.material);  // fit.largest_error: relative
+
+  EXPECT_LT(fit.largest_error, 0.1);
+}
+
 TEST(GuideBodies, StiffensWhileItRuns) {
   phymul::Model model = phymul::make_block({0.04, 0.04, 0.04}, 4, 4, 4);
   phymul::set_material(model, {.young = 6e3, .poisson = 0.45, .density = 1060});

@@ -76,10 +76,13 @@ struct NeoHookean {
 template <class S, bool bounded_volume = true>
 struct Stiffening {
   PHYMUL_KERNEL_WORDS
+  // The energy needs structs of the file before it.
+  // clang-format off
 #include "kernels/columns.glsl"
-#include "kernels/energy_stiffening.glsl"
-#include "kernels/neo_hookean.glsl"
 #include "kernels/volume.glsl"
+#include "kernels/neo_hookean.glsl"
+#include "kernels/energy_stiffening.glsl"
+  // clang-format on
 };
 
 template <class S, bool bounded_volume = true>

@@ -19,6 +19,9 @@ Vector = Union[Sequence[float], np.ndarray]
 _sizes = {"tetrahedron": 4, "wedge": 6, "pyramid": 5, "hexahedron": 8}
 
 
+_stiffening = ("exponential", "exponent", "second", "second_fades")
+
+
 @dataclass(frozen=True)
 class Material:
     young: float  # Pa
@@ -34,7 +37,8 @@ class Material:
 
     @property
     def _struct(self) -> Any:
-        return sized("phymul_material", **asdict(self))
+        fields = asdict(self)
+        return sized("phymul_material", stiffening=tuple(fields.pop(name) for name in _stiffening), **fields)
 
 
 @dataclass(frozen=True)
@@ -62,8 +66,8 @@ def fit_material(uniaxial: Any = (), shear: Any = (), *, poisson: float, density
     library.phymul_fit_material(ctypes.byref(start), kinds.ctypes.data, strains.ctypes.data, stresses.ctypes.data,
                                 len(kinds), sum(bits[term] for term in set(terms)), goals.index(goal),
                                 ctypes.byref(fitted), ctypes.byref(error), stress.ctypes.data)
-    material = Material(**{name: getattr(fitted, name) for name in Material.__dataclass_fields__})
-    return MaterialFit(material, stress, error.value)
+    return MaterialFit(Material(fitted.young, poisson, density, **dict(zip(_stiffening, fitted.stiffening))), stress,
+                       error.value)
 
 
 class Body(Owner):

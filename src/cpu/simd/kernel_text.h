@@ -62,10 +62,13 @@ struct NeoHookean {
 
 template <bool bounded_volume>
 struct Stiffening {
+  // The energy needs structs of the file before it.
+  // clang-format off
 #include "kernels/columns.glsl"
-#include "kernels/energy_stiffening.glsl"
-#include "kernels/neo_hookean.glsl"
 #include "kernels/volume.glsl"
+#include "kernels/neo_hookean.glsl"
+#include "kernels/energy_stiffening.glsl"
+  // clang-format on
 };
 
 template <bool bounded_volume>
