@@ -3,11 +3,11 @@
 #
 # Puts one-line faults (tests/faults.awk) into the CPU code of src and include, one at a time, and says which of them
 # phymul_test notices. Some that survive change nothing that can be seen: a person judges that.
-#   sh tests/faults.sh [number, 30 [seed, 1 [revision]]]   at places at random; with a revision, of lines added since
+#   sh tests/faults.sh [number, 30 [seed, 1 [revision]]]   at places at random; with a revision, in lines added since
 #   sh tests/faults.sh FILE.patch ...                      these faults
 # It works on a copy of the last commit, in a temporary folder that it removes. What survives is kept as patches in
-# build/faults. The first build takes a quarter of an hour: PHYMUL_FAULTS_FOLDER=<folder> keeps copy and build there for
-# the next run.
+# build/faults. The first build takes half an hour: PHYMUL_FAULTS_FOLDER=<folder> keeps copy and build there for the
+# next run.
 set -eu
 cd "$(dirname "$0")/.."
 . cmake/generator.sh
@@ -34,11 +34,10 @@ run() {  # seconds, command: ends it, with its processes, after that time or whe
 }
 
 build() {  # target
-  run 3000 cmake --build "$tree/build" --parallel "$(nproc)" --target "$1"
+  run 7200 cmake --build "$tree/build" --parallel "$(nproc)" --target "$1"
 }
 
-# ctest's options. A loop without end and memory without end end too.
-test_with() {
+test_with() {  # ctest's options. Loops without end and memory without end end too
   rm -f "$tree/build/Testing/Temporary/CTestCostData.txt"  # by which long suites would be first
   run 3000 sh -c 'ulimit -v 16000000 && exec "$@"' - env GTEST_FAIL_FAST=1 ctest --test-dir "$tree/build" \
     --parallel 2 --stop-on-failure --timeout 240 --output-on-failure -LE full "$@"
@@ -46,8 +45,7 @@ test_with() {
 
 suites_near() {  # file: suites of its room and of files named as it is, as a regular expression; or nothing
   room=$(echo "$1" | sed -n 's|^src/\([^/]*\)/.*|\1|p')
-  stem=$(basename "${1%.*}")
-  find "$tree/tests" -name '*_test.cpp' \( -path "$tree/tests/${room:-no room}/*" -o -name "*${stem}*" \) \
+  find "$tree/tests" -name '*_test.cpp' \( -path "*/tests/${room:-no room}/*" -o -name "*$(basename "${1%.*}")*" \) \
     -exec sed -n 's/^\(TYPED_\)\{0,1\}TEST\(_F\|_P\)\{0,1\}(\([A-Za-z0-9_]*\).*/\3/p' {} + | sort -u | paste -s -d '|' -
 }
 
@@ -57,49 +55,31 @@ failed_test() {
     "$work/log" | head -n 1
 }
 
-try() {  # file that the fault is in: sets `verdict`
-  near=$(suites_near "$1")
-  if ! build phymul; then
-    verdict="does not compile"
-  elif ! build phymul_test; then
-    verdict="killed: phymul_test does not start"
-    ! grep -q 'error:' "$work/log" || verdict="does not compile"
-  elif [ -n "$near" ] && ! test_with -R "^phymul_test\\.($near)\$"; then
-    verdict="killed: $(failed_test)"
-  elif ! test_with -R '^phymul_test\.' -E "^phymul_test\\.(${near:-none})\$"; then
-    verdict="killed: $(failed_test)"
-  else
-    verdict=survived
-  fi
-}
-
-one() {  # file, place, what: tries the fault that is in the tree, and takes it out again
+try() {  # file, place, what: tries the fault that is in the tree, and takes it out again
   began=$(date +%s)
-  try "$1"
-  case $verdict in
-    survived) survived=$((survived + 1)) && git -C "$tree" diff >"$kept/$2.patch" ;;
-    killed*) killed=$((killed + 1)) ;;
-    *) void=$((void + 1)) ;;
-  esac
+  near=$(suites_near "$1")
+  if ! build phymul || { ! build phymul_test && grep -q 'error:' "$work/log"; }; then
+    verdict="does not compile" void=$((void + 1))
+  elif [ ! -x "$tree/build/tests/phymul_test" ] || { [ -n "$near" ] && ! test_with -R "^phymul_test\\.($near)\$"; } ||
+    ! test_with -R '^phymul_test\.' -E "^phymul_test\\.(${near:-none})\$"; then
+    verdict="killed: $(failed_test)" killed=$((killed + 1))
+  else
+    verdict=survived survived=$((survived + 1))
+    git -C "$tree" diff >"$kept/$2.patch"
+  fi
   printf '%3d  %-48s  %-26s  %s (%d s)\n' $((killed + survived + void)) "$2" "$3" "$verdict" $(($(date +%s) - began))
   git -C "$tree" checkout -q -- .
 }
 
-lines_of() {  # revision or nothing: rows "file line"
-  set -- "${1:-}" src include ':!src/gl' ':!src/solver/gl_*'
-  if [ -z "$1" ]; then
-    shift
-    git ls-files -- "$@" | grep -E '\.(h|cpp)$' | while read -r file; do awk -v file="$file" '{ print file, NR }' "$file"; done
-  else
-    # Lines that were only moved are not new.
-    git diff -U0 --no-color "$@" >"$work/diff"
-    awk 'FNR == 1 { ++pass }
-         /^(---|\+\+\+) / { file = substr($2, 3); next }
-         /^@@/ { split(substr($3, 2), at, ","); line = at[1]; next }
-         /^[-+]/ { text = substr($0, 2); gsub(/^ +/, "", text) }
-         /^-/ && pass == 1 { gone[text] = 1 }
-         /^\+/ && pass == 2 { if (!(text in gone)) print file, line; ++line }' "$work/diff" "$work/diff"
-  fi
+lines_of() {  # revision or nothing: rows "file line"; lines that were only moved since then are not new
+  git -C "$tree" diff -U0 --no-color "${1:-$(git hash-object -t tree /dev/null)}" -- src include ':!src/gl' \
+    ':!src/solver/gl_*' >"$work/diff"
+  awk 'FNR == 1 { ++pass }
+       /^(---|\+\+\+) / { file = substr($2, 3); next }
+       /^@@/ { split(substr($3, 2), at, ","); line = at[1]; next }
+       { text = substr($0, 2); gsub(/^ +/, "", text) }
+       /^-/ && pass == 1 { gone[text] = 1 }
+       /^\+/ && pass == 2 { if (!(text in gone) && file ~ /\.(h|cpp)$/) print file, line; ++line }' "$work/diff" "$work/diff"
 }
 
 if [ -e "$tree/.git" ]; then
@@ -108,34 +88,26 @@ else
   git worktree add -q --detach "$tree"
 fi
 mkdir -p "$kept"
-case ${1:-} in
-  *.patch) ;;
-  *) (cd "$tree" && lines_of "${3:-}" | grep -E '\.(h|cpp) ' |
-      awk -v wanted=$((3 * ${1:-30})) -v seed="${2:-1}" -f tests/faults.awk) >"$work/faults" ;;
-esac
-
 # File by file, without what the tests do not need.
 run 3000 cmake -S "$tree" -B "$tree/build" -DCMAKE_BUILD_TYPE=Release -DPHYMUL_UNITY=OFF -DPHYMUL_WITH_GL=OFF \
   -DPHYMUL_BUILD_BENCH=OFF -DPHYMUL_BUILD_EXAMPLES=OFF -DPHYMUL_WITH_C=OFF -DPHYMUL_INSTALL=OFF &&
-  run 7200 cmake --build "$tree/build" --parallel "$(nproc)" --target phymul_test &&
-  test_with -R '^phymul_test\.' || { tail -n 30 "$work/log" >&2; echo "without a fault the tests do not pass" >&2; exit 1; }
+  build phymul_test && test_with -R '^phymul_test\.' ||
+  { tail -n 30 "$work/log" >&2; echo "without a fault the tests do not pass" >&2; exit 1; }
 
 killed=0 survived=0 void=0
 case ${1:-} in
   *.patch)
     for patch in "$@"; do
       git -C "$tree" apply - <"$patch"
-      one "$(git -C "$tree" diff --name-only)" "$(basename "$patch" .patch)" "patch"
+      try "$(git -C "$tree" diff --name-only)" "$(basename "$patch" .patch)" patch
     done ;;
   *)
-    while IFS='	' read -r file line what text; do
-      [ $((killed + survived)) -lt "${1:-30}" ] || break
+    lines_of "${3:-}" >"$work/lines"
+    (cd "$tree" && awk -v wanted=$((3 * ${1:-30})) -v seed="${2:-1}" -f tests/faults.awk "$work/lines") >"$work/faults"
+    while IFS='	' read -r file line what text && [ $((killed + survived)) -lt "${1:-30}" ]; do
       TEXT=$text awk -v at="$line" 'NR == at { $0 = ENVIRON["TEXT"] } { print }' "$tree/$file" >"$work/faulty"
       cat "$work/faulty" >"$tree/$file"
-      one "$file" "$(echo "${file#src/}" | tr / .):$line" "$what"
+      try "$file" "$(echo "${file#src/}" | tr / .):$line" "$what"
     done <"$work/faults" ;;
 esac
-echo "killed $killed of $((killed + survived)); $void did not compile"
-for patch in "$kept"/*.patch; do
-  [ "$survived" -eq 0 ] || [ ! -e "$patch" ] || { echo "survived, $patch:"; grep '^[-+] ' "$patch"; }
-done
+echo "killed $killed of $((killed + survived)); $void did not compile; survivors are in build/faults"
