@@ -119,6 +119,14 @@ void ByteSource::expect_word(std::string_view expected) {
        "; the counts before it are wrong or the file is damaged: export it again");
 }
 
+void ByteSource::expect_line_end(const char* after) {
+  const std::string_view rest = line();
+  const std::size_t got = rest.find_first_not_of(" \t");
+  if (got == std::string_view::npos) return;
+  fail(std::string("expected the end of the line after ") + after + ", got " + cited(rest.substr(got)) +
+       "; the counts before it are wrong or the file is damaged: export it again");
+}
+
 bool ByteSource::skip_past(std::string_view text) {
   const std::size_t found = bytes_.find(text, position_);
   if (found == std::string_view::npos) return false;

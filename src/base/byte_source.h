@@ -48,6 +48,7 @@ class ByteSource {
   std::string_view line();  ///< up to the next end of line, which is passed over; without trailing white space
   std::string_view word();  ///< the next white-space separated word; empty at the end
   void expect_word(std::string_view expected);
+  void expect_line_end(const char* after);  ///< of text: only white space comes before it
   bool skip_past(std::string_view text);  ///< to right after its next occurrence; false (and unmoved) if there is none
 
   /// The next number; `what` says in a message what it should be ("a node tag").

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // tests/data/mesh holds one mesh of every cell type, in files that Gmsh 4.8 and VTK 9.1 wrote from mixed_41.msh. After
-// these come corners of the formats that they do not reach; damaged files are the subject of mutated_files_test.cpp.
+// these come corners of the formats that they do not reach; damaged files are the subject of altered_meshes_test.cpp.
 #include <gtest/gtest.h>
 #include <phymul/mesh.h>
 
@@ -237,18 +237,6 @@ TEST(MeshRead, RefusesWhatIsNoMesh) {
   EXPECT_THROW(read_mesh(data("no_such_file.msh")), Error);
   EXPECT_THROW(read_mesh(data("mixed_41.msh"), {.max_bytes = 100}), Error);
   EXPECT_THROW(read_mesh(data("mixed_41.msh"), {.length_unit = 0.0}), Error);
-}
-
-/// Every beginning of every file is refused or, where only white space is missing, read.
-TEST(MeshRead, SurvivesTruncation) {
-  for (const char* variant : variants) {
-    const std::string text = text_of(data(variant));
-    int refused = 0;
-    for (std::size_t length = 0; length < text.size(); length += 1 + text.size() / 64) {
-      refused += message_of([&] { read_text(variant, text.substr(0, length)); }) != "(no error)";
-    }
-    EXPECT_GE(refused, 32) << variant;
-  }
 }
 
 /// Bytes of a number, the other way round where `swap`.

@@ -91,6 +91,12 @@ NumberType type_of(const std::string& path, const nifti_1_header& header) {
                 "expected labels as they are, got values to be scaled by " + to_decimal(header.scl_slope) +
                     " and shifted by " + to_decimal(header.scl_inter) + " (scl_slope, scl_inter)");
   }
+  if (header.bitpix != 0 && header.bitpix != static_cast<int>(8 * size_of(type))) {
+    fail_format(path, 0,
+                std::string("expected voxels of ") + std::to_string(8 * size_of(type)) + " bits, as type " +
+                    nifti_datatype_string(header.datatype) + " has them, got bitpix " + std::to_string(header.bitpix) +
+                    "; the header is damaged");
+  }
   return type;
 }
 
@@ -117,7 +123,12 @@ std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_he
   if (!file) fail_access(path, "the file cannot be opened");
   const bool is_whole =
       znzseek(file, static_cast<long>(offset), SEEK_SET) >= 0 && znzread(voxels.data(), 1, bytes, file) == bytes;
+  // zlib compares the checksum where it comes to the end. A byte more is no fault.
+  char more = 0;
+  const bool is_sound = znzread(&more, 1, 1, file) <= 1;
   znzclose(file);
+  if (is_whole && !is_sound)
+    fail_format(path, 0, "expected compressed voxels of another checksum; the file is damaged");
   if (!is_whole) fail_missing_voxels(path, count, type);
   return labels_of(path, voxels.data(), count, type, is_swapped);
 }

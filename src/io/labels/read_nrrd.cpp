@@ -3,8 +3,10 @@
 
 #ifdef PHYMUL_HAS_TEEM
 #include <teem/nrrd.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -59,8 +61,8 @@ void require_line(const std::string& path, std::size_t number, std::string_view 
 }
 
 /// What teem must not see. It would also read other formats, by their first bytes. It ends a line at a lone carriage
-/// return too, and does not end a list of files at an empty line.
-void require_header(const std::string& path) {
+/// return too, and does not end a list of files at an empty line. Returns where the header ends.
+std::streamoff require_header(const std::string& path) {
   if (path.size() > longest_text) {
     fail_access(path, "expected a path of at most " + std::to_string(longest_text) + " characters for NRRD");
   }
@@ -71,7 +73,7 @@ void require_header(const std::string& path) {
     if (number == 1 && !text.starts_with("NRRD")) {
       fail_format(path, 1, "expected an image in NRRD, which begins with NRRD, got other bytes");
     }
-    if (!lists && (text.empty() || text == "\r")) return;
+    if (!lists && (text.empty() || text == "\r")) return file.tellg();
     for (std::string_view rest = text; !rest.empty();) {
       const std::string_view line = rest.substr(0, rest.find('\r'));
       rest.remove_prefix(std::min(rest.size(), line.size() + 1));
@@ -79,6 +81,32 @@ void require_header(const std::string& path) {
       lists = lists || names_a_list(line);
     }
   }
+  return 0;
+}
+
+/// Of gzipped voxels behind the header, which teem does not compare: it stops when it has all voxels.
+void require_checksum(const std::string& path, std::streamoff start) {
+  std::ifstream file = open_file(path);
+  file.seekg(start);
+  z_stream stream{};
+  if (inflateInit2(&stream, 16 + MAX_WBITS) != Z_OK) throw std::bad_alloc();
+  std::array<Bytef, 1 << 14> in{}, out{};
+  int result = Z_OK;
+  while (result == Z_OK && !file.eof()) {
+    file.read(reinterpret_cast<char*>(in.data()), in.size());
+    stream.next_in = in.data();
+    stream.avail_in = static_cast<uInt>(file.gcount());
+    do {
+      stream.next_out = out.data();
+      stream.avail_out = out.size();
+      result = inflate(&stream, Z_NO_FLUSH);
+    } while (result == Z_OK && stream.avail_out == 0);
+    if (result == Z_BUF_ERROR) result = Z_OK;  // it wants the next bytes
+  }
+  inflateEnd(&stream);
+  if (result == Z_STREAM_END) return;
+  fail_format(path, 0,
+              "expected an image in NRRD with whole voxels in gzip and their checksum; the file is cut off or damaged");
 }
 
 using Reading = std::unique_ptr<NrrdIoState, NrrdIoState* (*)(NrrdIoState*)>;
@@ -223,7 +251,7 @@ void merge_layers(const std::string& path, const SegmentNames& names, std::size_
 LabelImage read_nrrd(const std::string& path) {
   static std::mutex one_at_a_time;  // teem collects its reasons in one place
   const std::scoped_lock lock(one_at_a_time);
-  require_header(path);
+  const std::streamoff start = require_header(path);
   const Reading of_header = make_reading();
   const File header = load(path, of_header.get(), true);
   const NumberType type = integer_type(path, integers, header->type, airEnumStr(nrrdType, header->type));
@@ -245,6 +273,9 @@ LabelImage read_nrrd(const std::string& path) {
   const bool elsewhere = of_header->dataFNFormat != nullptr || of_header->dataFNArr->len > 0;
   // bzip2 makes gigabytes of some hundred bytes.
   if (!elsewhere && of_header->encoding != nrrdEncodingBzip2) require_voxel_bytes(path, count, type, most_inflation);
+  if (!elsewhere && of_header->encoding == nrrdEncodingGzip && of_header->lineSkip == 0 && of_header->byteSkip == 0) {
+    require_checksum(path, start);
+  }
 
   const File file = load(path, make_reading().get(), false);
   LabelImage image;

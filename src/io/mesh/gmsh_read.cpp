@@ -64,6 +64,7 @@ class GmshReader {
       major_ == 4 ? read_nodes_4() : read_nodes_2();
     } else if (name == (major_ == 1 ? "ELM" : "Elements")) {
       if (!has_nodes_) in_.fail("expected $Nodes before $Elements; export the file again");
+      if (has_elements_) in_.fail("expected one section $Elements, got a second; join the files in the mesher");
       has_elements_ = true;
       major_ == 4 ? read_elements_4() : read_elements_2();
     } else {
@@ -182,7 +183,7 @@ class GmshReader {
 
   void read_nodes_4() {
     const std::size_t blocks = in_.count(size_type, 4 * in_.least_bytes(int_type), "a number of node blocks");
-    in_.skip_numbers(3, size_type);  // total, least and largest tag: the blocks say it again
+    const std::int64_t total = take_total();
     for (std::size_t b = 0; b < blocks; ++b) {
       const std::int64_t dimension = in_.integer(int_type, "an entity dimension");
       in_.integer(int_type, "an entity tag");
@@ -196,6 +197,19 @@ class GmshReader {
         if (parametric) in_.skip_numbers(static_cast<std::size_t>(dimension), real_type);
       }
     }
+    require_total(total, parts_.points.size(), "nodes");
+  }
+
+  std::int64_t take_total() {
+    const std::int64_t total = in_.integer(size_type, "a total");
+    in_.skip_numbers(2, size_type);  // least and largest tag
+    return total;
+  }
+
+  void require_total(std::int64_t total, std::size_t read, const char* what) {
+    if (static_cast<std::uint64_t>(total) == read) return;
+    in_.fail("expected " + std::to_string(total) + ' ' + what + " in all, got " + std::to_string(read) +
+             " in the blocks; the file is damaged: export it again");
   }
 
   struct ElementType {
@@ -241,7 +255,7 @@ class GmshReader {
 
   void read_elements_4() {
     const std::size_t blocks = in_.count(size_type, 4 * in_.least_bytes(int_type), "a number of element blocks");
-    in_.skip_numbers(3, size_type);
+    const std::int64_t total = take_total();
     for (std::size_t b = 0; b < blocks; ++b) {
       in_.integer(int_type, "an entity dimension");
       const std::int64_t entity = in_.integer(int_type, "an entity tag");
@@ -257,6 +271,7 @@ class GmshReader {
         for (const std::int64_t physical : groups->second) group_cells_[{type.dimension, physical}].push_back(row);
       }
     }
+    require_total(total, parts_.cells.size(), "elements");
   }
 
   void add_cell(Cell cell, const ElementType& type, std::int64_t tag) {
@@ -283,7 +298,8 @@ class GmshReader {
         const std::int64_t number = in_.integer(int_type, "an element number");
         const ElementType type = element_type(in_.integer(int_type, "an element type"));
         // Version 1 has no number of tags: a physical and an elementary one, then the number of nodes.
-        read_element_2(number, type, major_ == 1 ? 3 : in_.count(int_type, 2, "a number of tags"));
+        read_element_2(number, type, major_ == 1 ? 2 : in_.count(int_type, 2, "a number of tags"));
+        in_.expect_line_end("an element");
         ++done;
       }
     }
@@ -293,6 +309,9 @@ class GmshReader {
   void read_element_2(std::int64_t number, ElementType type, std::size_t tags) {
     const std::int64_t physical = tags > 0 ? std::abs(in_.integer(int_type, "a physical tag")) : 0;
     if (tags > 1) in_.skip_numbers(tags - 1, int_type);
+    if (major_ == 1 && in_.integer(int_type, "a number of nodes") != type.nodes) {
+      in_.fail("expected " + std::to_string(type.nodes) + " nodes of an element of its type; the file is damaged");
+    }
     Cell cell = read_cell(type, number);
     const auto [known, is_new] =
         cell_row_.emplace(std::pair(type.cell, cell.particles), static_cast<Index>(parts_.cells.size()));

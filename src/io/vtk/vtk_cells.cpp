@@ -52,7 +52,7 @@ void append_vtk_cells(const VtkCells& vtk, Index first_point, const std::string&
     std::int64_t type = vtk.types[c];
     const auto begin = vtk.connectivity.begin() + static_cast<std::ptrdiff_t>(vtk.offset[c]);
     const std::ptrdiff_t points = vtk.offset[c + 1] - vtk.offset[c];
-    if (type == empty) continue;
+    if (type == empty && points == 0) continue;
     if (type == polygon && (points == 3 || points == 4)) type = points == 3 ? 5 : 9;
     if (type == strip || type == polygon || type == higher_polygon) {
       ++parts.left_out[type == strip ? "triangle strip" : "polygon"];

@@ -155,6 +155,10 @@ class VtkLegacyReader {
       }
       cells_.offset.push_back(offset);
     }
+    if (offsets > 0 && static_cast<std::size_t>(cells_.offset.back()) != entries) {
+      in_.fail("expected offsets up to " + std::to_string(entries) + ", the number of point numbers, got " +
+               std::to_string(cells_.offset.back()) + " as the last; the file is damaged: export it again");
+    }
     in_.use_text();
     const std::string keyword = lower_case(in_.word());
     if (keyword != "connectivity") in_.fail("expected CONNECTIVITY, got " + cited(keyword) + "; the file is damaged");
@@ -193,7 +197,7 @@ class VtkLegacyReader {
       in_.fail("expected CELLS, then as many CELL_TYPES, got " + std::to_string(n) + " types for " +
                std::to_string(has_cells_ ? cells_.offset.size() - 1 : 0) + " cells; export the file again");
     }
-    cells_.types.clear();
+    if (!cells_.types.empty()) in_.fail("expected CELL_TYPES once, got them again; the file is damaged");
     begin_numbers();
     for (std::size_t c = 0; c < n; ++c) cells_.types.push_back(in_.integer(NumberType::int32, "a cell type"));
     in_.use_text();

@@ -13,6 +13,7 @@
 #include "base/byte_source.h"
 #include "base/file_error.h"
 #include "io/mesh/mesh_parts.h"
+#include "io/xml/xml_source.h"
 #include "vtk_cells.h"
 #include "vtu_array.h"
 
@@ -58,9 +59,9 @@ class VtuReader {
     const pugi::xml_parse_result parsed =
         document_.load_buffer(text_.xml.data(), text_.xml.size(), pugi::parse_default, pugi::encoding_utf8);
     if (!parsed) fail(parsed.offset, std::string("expected well-formed XML: ") + parsed.description());
-    const pugi::xml_node root = document_.child("VTKFile");
+    const pugi::xml_node root = only(document_, "VTKFile");
     read_header(root);
-    const pugi::xml_node grid = root.child("UnstructuredGrid");
+    const pugi::xml_node grid = only(root, "UnstructuredGrid");
     if (!grid.child("Piece")) fail(root, "expected <UnstructuredGrid> with a <Piece>, got none; export the file again");
     for (const pugi::xml_node piece : grid.children("Piece")) read_piece(piece);
     return std::move(parts_);
@@ -89,7 +90,7 @@ class VtuReader {
                      "; export with zlib or without compression");
     }
     coding_.compressed = !compressor.empty();
-    const std::string encoding = root.child("AppendedData").attribute("encoding").as_string("base64");
+    const std::string encoding = only(root, "AppendedData").attribute("encoding").as_string("base64");
     if (encoding != "raw" && encoding != "base64") {
       fail(root.child("AppendedData"), "expected encoding raw or base64, got " + cited(encoding));
     }
@@ -97,6 +98,7 @@ class VtuReader {
   }
 
   void read_piece(pugi::xml_node piece) {
+    require_attributes_once(piece);
     const std::size_t points = count(piece, "NumberOfPoints");
     const std::size_t cells = count(piece, "NumberOfCells");
     const std::size_t first_point = parts_.points.size();
@@ -104,10 +106,10 @@ class VtuReader {
       fail(piece, "expected fewer than 2^31 points");
     }
     if (points == 0) return;  // writers leave empty pieces for processors without a share
-    read_array(piece.child("Points").child("DataArray"), "Points", 3, points, [&](ByteSource& in, NumberType type) {
+    read_array(only(only(piece, "Points"), "DataArray"), "Points", 3, points, [&](ByteSource& in, NumberType type) {
       for (std::size_t i = 0; i < points; ++i) parts_.points.push_back(in.point(type));
     });
-    const pugi::xml_node arrays = piece.child("Cells");
+    const pugi::xml_node arrays = only(piece, "Cells");
     append_vtk_cells(read_cells(arrays, points, cells), static_cast<Index>(first_point), place(arrays), parts_);
     read_groups(piece.child("PointData"), first_point, points);
   }
@@ -161,6 +163,7 @@ class VtuReader {
   template <class Use>
   void read_array(pugi::xml_node array, const std::string& name, int components, std::size_t tuples, Use use) {
     if (!array) fail_format(path_, 0, "expected a <DataArray> of " + name + ", got none; export the file again");
+    require_attributes_once(array);
     if (array.attribute("NumberOfComponents").as_int(1) != components) {
       fail(array, "expected " + std::to_string(components) + " components in " + cited(name) + ", got " +
                       cited(array.attribute("NumberOfComponents").value()));
@@ -172,13 +175,17 @@ class VtuReader {
     const std::size_t numbers = tuples * static_cast<std::size_t>(components);
     if (format == "ascii") {
       const pugi::xml_node words = array.first_child();
-      const std::string_view text = words.value();
+      const std::string text = text_in(array);
       if (numbers > text.size() / 2 + 1) {
         fail(array, "expected " + std::to_string(numbers) + " numbers in " + cited(name) + ", got " +
                         std::to_string(text.size()) + " characters; the file is cut off: export it again");
       }
       ByteSource in(path_, text, line_of(offset_of(words ? words : array)));
       use(in, type);
+      if (!in.word().empty()) {
+        fail(array, "expected " + std::to_string(numbers) + " numbers in " + cited(name) +
+                        ", got more; a count is wrong or the file is damaged: export it again");
+      }
       return;
     }
     VtuCoding coding = coding_;
@@ -192,7 +199,7 @@ class VtuReader {
   std::string_view coded_bytes(pugi::xml_node array, const std::string& format, VtuCoding& coding) {
     if (format == "binary") {
       coding.base64 = true;
-      return array.text().get();
+      return coded_text_ = text_in(array);
     }
     if (format != "appended") {
       fail(array, "expected format ascii, binary or appended, got " + cited(format) + "; export the file again");
@@ -207,7 +214,34 @@ class VtuReader {
   }
 
   pugi::xml_node named(pugi::xml_node arrays, const char* name) {
-    return arrays.find_child_by_attribute("DataArray", "Name", name);
+    pugi::xml_node found;
+    for (const pugi::xml_node array : arrays.children("DataArray")) {
+      if (array.attribute("Name").value() != std::string_view(name)) continue;
+      if (found)
+        fail(array, std::string("expected one array ") + cited(name) + ", got a second; export the file again");
+      found = array;
+    }
+    return found;
+  }
+
+  /// The child of that name, or none.
+  pugi::xml_node only(pugi::xml_node parent, const char* name) {
+    const pugi::xml_node found = parent.child(name), second = found.next_sibling(name);
+    if (second) fail(second, std::string("expected one <") + name + ">, got a second; export the file again");
+    require_attributes_once(found);
+    return found;
+  }
+
+  void require_attributes_once(pugi::xml_node node) {
+    const std::string_view twice = repeated_attribute(node);
+    if (!twice.empty()) fail(node, "expected each attribute once, got " + cited(twice) + " twice; the file is damaged");
+  }
+
+  /// Without comments, which part it.
+  static std::string text_in(pugi::xml_node node) {
+    std::string text;
+    for (const pugi::xml_node part : node.children()) text += part.value();
+    return text;
   }
 
   NumberType number_type(pugi::xml_node array) {
@@ -261,6 +295,7 @@ class VtuReader {
   MeshParts parts_;
   VtuCoding coding_;
   bool appended_base64_ = false;
+  std::string coded_text_;  // of the array being read
 };
 
 }  // namespace

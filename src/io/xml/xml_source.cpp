@@ -42,6 +42,14 @@ std::string latin1_to_utf8(std::string_view text) {
 
 }  // namespace
 
+std::string_view repeated_attribute(pugi::xml_node node) {
+  for (const pugi::xml_attribute attribute : node.attributes()) {
+    // The first of that name; attributes are few.
+    if (node.attribute(attribute.name()) != attribute) return attribute.name();
+  }
+  return {};
+}
+
 XmlSource::XmlSource(std::string text, std::string name, bool instructions)
     : name_(std::move(name)), text_(std::move(text)), document_(std::make_unique<pugi::xml_document>()) {
   if (declares_latin1(text_)) text_ = latin1_to_utf8(text_);
@@ -56,7 +64,7 @@ XmlSource::XmlSource(std::string text, std::string name, bool instructions)
   }
   parse(instructions);
   refuse_entities();
-  refuse_depth();
+  check_elements();
 }
 
 XmlSource::~XmlSource() = default;
@@ -89,13 +97,17 @@ void XmlSource::refuse_entities() const {
   }
 }
 
-void XmlSource::refuse_depth() const {
+void XmlSource::check_elements() const {
   // No recursion: the tree may be as deep as the file is long.
   const pugi::xml_node top = root();
   int depth = 1;
   for (pugi::xml_node node = top; node;) {
     if (depth > max_depth) {
       fail(node, "expected elements nested at most " + std::to_string(max_depth) + " deep, got more");
+    }
+    const std::string_view twice = repeated_attribute(node);
+    if (!twice.empty()) {
+      fail(node, "expected each attribute once in <" + std::string(node.name()) + ">, got " + cite(twice) + " twice");
     }
     if (node.first_child()) {
       node = node.first_child();
@@ -169,18 +181,11 @@ Index XmlSource::index(pugi::xml_node node, const char* attribute, std::string_v
 std::vector<Attribute> XmlSource::other_attributes(pugi::xml_node node,
                                                    std::initializer_list<std::string_view> known) const {
   std::vector<Attribute> others;
-  std::vector<std::string_view> names;
   for (const pugi::xml_attribute attribute : node.attributes()) {
     const std::string_view name = attribute.name();
-    names.push_back(name);
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       others.push_back({std::string(name), attribute.value()});
     }
-  }
-  std::sort(names.begin(), names.end());
-  const auto twice = std::adjacent_find(names.begin(), names.end());
-  if (twice != names.end()) {
-    fail(node, "expected each attribute once in <" + std::string(node.name()) + ">, got " + cite(*twice) + " twice");
   }
   return others;
 }

@@ -20,10 +20,14 @@ class xml_node;
 
 namespace phymul {
 
+/// Name of an attribute that this element has twice, which the parser lets pass; empty if none.
+std::string_view repeated_attribute(pugi::xml_node node);
+
 class XmlSource {
  public:
   /// Parses. `name` stands for the file in messages. Throws Error for text that is no XML document, declares entities
-  /// (nothing here needs them, and expanding them is how small files grow huge), or nests elements deeper than 256.
+  /// (nothing here needs them, and expanding them is how small files grow huge), nests elements deeper than 256, or
+  /// gives an attribute twice, of which the parser takes either.
   /// `instructions`: processing instructions appear in the tree too.
   XmlSource(std::string text, std::string name, bool instructions = false);
   ~XmlSource();
@@ -46,7 +50,7 @@ class XmlSource {
   double number(pugi::xml_node node, const char* attribute, std::string_view value) const;
   Index index(pugi::xml_node node, const char* attribute, std::string_view value) const;
 
-  /// Attributes other than the known ones, in order. Throws Error when one stands there twice.
+  /// Attributes other than the known ones, in order.
   std::vector<Attribute> other_attributes(pugi::xml_node node, std::initializer_list<std::string_view> known) const;
 
   /// Remembers that this element is not understood and was passed over: one note for all of its kind.
@@ -66,7 +70,7 @@ class XmlSource {
   std::size_t line_at(std::size_t offset) const;
   void parse(bool instructions);
   void refuse_entities() const;
-  void refuse_depth() const;
+  void check_elements() const;
 
   struct Skipped {
     std::size_t note = 0;
