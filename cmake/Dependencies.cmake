@@ -32,17 +32,17 @@ endif()
 
 find_package(Threads REQUIRED)
 
-# phymul_has_assimp: are surfaces read from files?
+# phymul_has_assimp: are surfaces read from glTF?
 set(phymul_has_assimp OFF)
 if(PHYMUL_WITH_ASSIMP)
   find_package(assimp QUIET)
   if(TARGET assimp::assimp)
     set(phymul_has_assimp ON)
   elseif(PHYMUL_WITH_ASSIMP STREQUAL "AUTO")
-    message(STATUS "phymul: read_surface reads no files, because CMake did not find Assimp; on Debian or Ubuntu: "
+    message(STATUS "phymul: read_surface reads no glTF, because CMake did not find Assimp; on Debian or Ubuntu: "
                    "apt-get install libassimp-dev")
   else()
-    phymul_missing("Reading surfaces (PHYMUL_WITH_ASSIMP=${PHYMUL_WITH_ASSIMP}) needs Assimp" libassimp-dev
+    phymul_missing("Reading glTF (PHYMUL_WITH_ASSIMP=${PHYMUL_WITH_ASSIMP}) needs Assimp" libassimp-dev
                    "Without it: -DPHYMUL_WITH_ASSIMP=OFF.")
   endif()
 endif()

@@ -60,23 +60,21 @@ run(3 "nothing holds the part of particle 0: it moves away" ${MESH} --unit 0.01 
 
 # A surface in millimetres is filled, held at a place, and comes to rest.
 set(bean ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --frame-interval 0 --no-pictures)
-if(ASSIMP)
-  run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.012 --fix-near 0 0 -0.03 0.02
-      --fix-near 0.05 0.02 0 0.02 --out ${OUT}/bean)
-  set(plan ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03 0.035 --plan)
-  run(0 "Chosen: .*bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03 0.035 --spacing 0.0[0-9]+ --backend cpu --threads [12]"
-      ${plan} --max-error 90% --rate=10)
-  run(3 "Not kept" ${plan} --max-error 0.9 --rate 1e8)
-  run(1 "expected a share as 3% or 0.03, got 300%" ${plan} --max-error 300%)
-  run(1 "--plan requires --max-error" ${plan})
-  run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.016 --fine-near 0 0 0.03 0.005 0.008
-      --fix-near 0 0 -0.03 0.02 --out ${OUT}/fine_bean)
-  run(0 "steps to rest" ${bean} --spacing 0.012 --hold-near 0 0 -0.03 0.02 --out ${OUT}/held_bean)
-  run(1 "--hold-near: .*no part of the surface" ${bean} --spacing 0.012 --hold-near 1 0 0 0.02 --out ${OUT}/none)
-  run(1 "at least an eighth of the spacing" ${bean} --spacing 0.016 --fine-near 0 0 0 0.01 0.001 --out ${OUT}/none)
-  run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
-  run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
-endif()
+run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.012 --fix-near 0 0 -0.03 0.02
+    --fix-near 0.05 0.02 0 0.02 --out ${OUT}/bean)
+set(plan ${DATA}/bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03 0.035 --plan)
+run(0 "Chosen: .*bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03 0.035 --spacing 0.0[0-9]+ --backend cpu --threads [12]"
+    ${plan} --max-error 90% --rate=10)
+run(3 "Not kept" ${plan} --max-error 0.9 --rate 1e8)
+run(1 "expected a share as 3% or 0.03, got 300%" ${plan} --max-error 300%)
+run(1 "--plan requires --max-error" ${plan})
+run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.016 --fine-near 0 0 0.03 0.005 0.008
+    --fix-near 0 0 -0.03 0.02 --out ${OUT}/fine_bean)
+run(0 "steps to rest" ${bean} --spacing 0.012 --hold-near 0 0 -0.03 0.02 --out ${OUT}/held_bean)
+run(1 "--hold-near: .*no part of the surface" ${bean} --spacing 0.012 --hold-near 1 0 0 0.02 --out ${OUT}/none)
+run(1 "at least an eighth of the spacing" ${bean} --spacing 0.016 --fine-near 0 0 0 0.01 0.001 --out ${OUT}/none)
+run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
+run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
 # Two regions of an image, in millimetres, each with its material.
 string(REPEAT "0 " 20 none)
 string(REPEAT "1 " 8 soft)

@@ -10,6 +10,7 @@
 #include "base/decimal.h"
 #include "base/file_ending.h"
 #include "base/file_error.h"
+#include "triangle_files.h"
 
 #ifdef PHYMUL_HAS_ASSIMP
 #include <assimp/scene.h>
@@ -20,41 +21,9 @@
 namespace phymul {
 namespace {
 
+constexpr std::size_t most_bytes = std::size_t{4} << 30;
+
 #ifdef PHYMUL_HAS_ASSIMP
-
-/// A byte is put before binary data: Assimp takes line ends at their beginning for those of the header.
-std::string mended_ply(const std::string& bytes) {
-  const std::string line_end = bytes.starts_with("ply\r\n") ? "\r\n" : bytes.starts_with("ply\r") ? "\r" : "\n";
-  const std::string last = line_end + "end_header" + line_end;
-  const std::size_t format = bytes.find(line_end + "format binary_"), end = bytes.find(last);
-  if (!bytes.starts_with("ply") || end == bytes.npos || format > end) return bytes;
-  const std::size_t elements = bytes.find(line_end, format + 1) + line_end.size(), data = end + last.size();
-  // An element of a name that Assimp does not know counts nothing there; edges it reads and leaves out.
-  return bytes.substr(0, elements) + "element edge 1" + line_end + "property uchar byte" + line_end +
-         bytes.substr(elements, data - elements) + 'x' + bytes.substr(data);
-}
-
-/// Vertices and faces alone, without rows of textures and normals, which Assimp requires to exist.
-std::string mended_obj(const std::string& bytes) {
-  std::string out;
-  bool keeps = false, continues = false;  // a backslash at its end continues a line
-  for (std::size_t from = 0; from < bytes.size();) {
-    const std::size_t end = std::min(bytes.find_first_of("\r\n", from), bytes.size());
-    std::string_view line = trim(std::string_view(bytes).substr(from, end - from));
-    from = end + 1;
-    if (line.empty()) continue;  // also between the two bytes of a line end
-    if (!continues) keeps = line.starts_with("v ") || line.starts_with("v\t") || line.starts_with('f');
-    continues = keeps && line.ends_with('\\');
-    if (!keeps) continue;
-    bool in_row = true;  // of a face: up to a slash
-    for (const char c : line) {
-      in_row = c == ' ' || c == '\t' || (in_row && c != '/');
-      if (in_row && c != '\\') out += c;
-    }
-    out += continues ? ' ' : '\n';
-  }
-  return out;
-}
 
 std::string word_of(std::size_t number) {  // little-endian
   std::string word;
@@ -102,17 +71,13 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& aroun
   for (unsigned child = 0; child < node.mNumChildren; ++child) add_node(scene, *node.mChildren[child], place, surface);
 }
 
-Surface read_triangles(const std::string& path) {
+Surface read_gltf(const std::string& path) {
   Assimp::Importer importer;
   // None of its later treatments: they stop the program where they meet what they do not expect.
   const std::string ending = file_ending(path);
-  std::string (*const mended)(const std::string&) = ending == ".ply"   ? mended_ply
-                                                    : ending == ".obj" ? mended_obj
-                                                    : ending == ".glb" ? mended_glb
-                                                                       : nullptr;
-  const std::string bytes = mended ? mended(read_whole_file(path, std::size_t{4} << 30)) : "";
-  const aiScene* scene = mended ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, ending.c_str() + 1)
-                                : importer.ReadFile(path, 0);
+  const std::string bytes = ending == ".glb" ? mended_glb(read_whole_file(path, most_bytes)) : "";
+  const aiScene* scene =
+      ending == ".glb" ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, "glb") : importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) {
     fail_format(path, 0,
                 "the file cannot be read as " + ending + " (" + importer.GetErrorString() +
@@ -125,15 +90,22 @@ Surface read_triangles(const std::string& path) {
 
 #else
 
-[[noreturn]] Surface read_triangles(const std::string& path) {
+[[noreturn]] Surface read_gltf(const std::string& path) {
   throw Error(ErrorCode::not_supported,
               path +
-                  ": phymul was built without Assimp, which reads surfaces; install it (Debian: libassimp-dev) and "
-                  "build phymul again, or fill a Surface from a reader of your own",
+                  ": phymul was built without Assimp, which reads glTF; install it (Debian: libassimp-dev) and "
+                  "build phymul again, or export the surface as .stl, .obj or .ply",
               path);
 }
 
 #endif
+
+Surface read_triangles(const std::string& path, std::string_view ending) {
+  if (ending == ".stl") return read_stl(path, read_whole_file(path, most_bytes));
+  if (ending == ".obj") return read_obj(path, read_whole_file(path, most_bytes));
+  if (ending == ".ply") return read_ply(path, read_whole_file(path, most_bytes));
+  return read_gltf(path);
+}
 
 }  // namespace
 
@@ -148,7 +120,7 @@ Surface read_surface(const std::string& path, double metres_per_unit) {
   }
   open_file(path);  // or a reason is told
   try {
-    Surface surface = read_triangles(path);
+    Surface surface = read_triangles(path, extension);
     for (Vec3& x : surface.vertices) x *= metres_per_unit;
     mend_surface(surface);
     for (std::string& note : surface.notes) note = path + ": " + note;
