@@ -35,6 +35,13 @@ double share(Simulation& sim, double seconds) {
   return sim.step_limit(seconds) / sim.solver().stable_step();
 }
 
+/// Of docs/theory/physics.md; `own`: the growth of the fibres' stiffness.
+double formula(const Vec3& stretch, double nu, double own = 1.0) {
+  const double J = stretch.prod(), shear_over_bulk = 1.5 * (1.0 - 2.0 * nu) / (1.0 + nu);
+  const double q = stretch.squaredNorm() * stretch.cwiseInverse().squaredNorm() * std::max(J * J, 1.0) / 9.0;
+  return std::pow(q * own, 1.0 + 1.6 * shear_over_bulk);
+}
+
 TEST(FrequencyGrowth, IsAboveThatOfUniformStrain) {
   // Stretches along three axes: uniaxial, of constant volume, and of more and less of it.
   const std::vector<Vec3> cases{{0.8, 1, 1},      {1.4, 1, 1},       {0.7, 1.195, 1.195}, {1.5, 0.8165, 0.8165},
@@ -58,8 +65,25 @@ TEST(FrequencyGrowth, IsAboveThatOfUniformStrain) {
         for (Vec3& p : x) p = turn * stretch.cwiseProduct(p);
         const double growth = estimate_spectrum(topology, x).largest / at_rest;
         EXPECT_GT(1.15 * frequency_growth(topology, x), growth) << nu << ", " << n / 3 << ": " << stretch.transpose();
+        if (n / 3 > 0) continue;
+        EXPECT_NEAR(frequency_growth(topology, x) / formula(stretch, nu), 1.0, 1e-9)
+            << nu << ": " << stretch.transpose();
       }
     }
+  }
+}
+
+/// Their energy k / 8 (stretch^2 - 1)^2 has this second derivative, over that at rest.
+TEST(FrequencyGrowth, OfFibresIsThatOfTheirStiffnessToo) {
+  Model model = tetrahedra();
+  for (Cell& cell : model.cells) cell.fibre = Vec3::UnitX();
+  set_material(model, {.young = 5e3, .poisson = 0.45, .density = 1000, .fibre_ratio = 5});
+  const TopologyTextures topology = build_topology(model);
+  for (const Vec3& stretch : {Vec3(1.3, 0.85, 0.85), Vec3(0.8, 1.1, 1.1)}) {
+    VecList x = topology.rest;
+    for (Vec3& p : x) p = stretch.cwiseProduct(p);
+    const double own = std::max(1.0, (3.0 * stretch.x() * stretch.x() - 1.0) / 2.0);
+    EXPECT_NEAR(frequency_growth(topology, x) / formula(stretch, 0.45, own), 1.0, 1e-9) << stretch.transpose();
   }
 }
 
