@@ -18,7 +18,7 @@ Vec3 improved(const Vec3& place) {
     for (const Index y : {3, 4}) {
       for (const Index z : {5, 6}) {
         Tetrahedron cell{0, x, y, z};
-        if ((x == 1) != (y == 3) != (z == 5)) std::swap(cell[1], cell[2]);
+        if (((x == 1) != (y == 3)) != (z == 5)) std::swap(cell[1], cell[2]);
         body.cells.push_back(cell);
       }
     }

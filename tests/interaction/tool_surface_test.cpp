@@ -176,6 +176,20 @@ TEST(ToolSurface, AFaceThatCoversTheSurfaceFeelsWhatItFeelsAtParticles) {
   EXPECT_NEAR(force[1], force[0], 2e-6 * force[0]);
 }
 
+/// The slab turned by half a turn is the same slab, but its triangles begin at other corners.
+TEST(ToolSurface, EdgesOfABoxOverTrianglesAreFeltWhicheverCornerIsFirst) {
+  const Model model = slab();
+  double force[2];
+  for (const int turned : {0, 1}) {
+    const Vec3 from = top_middle + (turned ? -1.0 : 1.0) * cell * Vec3(0.3, 0.2, 0) + Vec3(0, 0, 0.01);
+    PressedSlab pressed(
+        model, {.shape = Box{{0.01, 0.01, 0.01}}, .pose = {.position = from}, .contact = ToolContact::surface});
+    force[turned] = pressed.press(from, 1e-3).mean_force.z();
+  }
+  EXPECT_GT(force[0], 0.0);
+  EXPECT_NEAR(force[1], force[0], 2e-5 * force[0]);
+}
+
 /// One solver keeps the triangles that are near, the other looks for them anew before every call.
 TEST(ToolSurface, KeptAndFreshTrianglesHaveTheSameBits) {
   const Model model = slab();

@@ -176,7 +176,8 @@ TEST(AlteredMeshes, Pml) {
   const auto read = [](const std::string& name, const std::string& bytes) {
     const Model model = read_pml_text(bytes, name);
     std::string once;  // a reference to a control character is read but cannot be written
-    if (message_of([&] { once = written(model); }) == "(no error)") EXPECT_EQ(read_pml_text(once, "again.pml"), model);
+    const bool is_written = message_of([&] { once = written(model); }) == "(no error)";
+    EXPECT_TRUE(!is_written || read_pml_text(once, "again.pml") == model) << once;
     return text_of_model(model);
   };
   AlteredFiles pml("a.pml", pml_text(tetrahedron_atoms, {tetrahedron_cell}, "", "nrOfAtoms=\"4\""), read);
