@@ -23,6 +23,10 @@ double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along
   return particle.inverse_mass * share;
 }
 
+/// Share of the mobility without loads. Below it what may move goes nearly along the surface: it would be thrown far to
+/// the side to make little room, and any distance where the share is nothing but rounding.
+constexpr double least_mobility = 1e-4;
+
 void shift(TouchedParticles::Touched& particle, Vec3 by) {
   if (particle.held) return;
   for (int axis = 0; axis < 3; ++axis) {
@@ -101,10 +105,13 @@ void BodyContacts::find(TouchedParticles& touched) {
     contact.slot = touched.slot(surface_.particles[contact.particle].row);
     for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[corner[c]].row);
     contact.mobility = inverse_mass(touched[contact.slot], contact.normal);
+    double unbound = touched[contact.slot].inverse_mass;
     for (int c = 0; c < 3; ++c) {
-      contact.mobility +=
-          contact.share[c] * contact.share[c] * inverse_mass(touched[contact.corner[c]], contact.normal);
+      const double square = contact.share[c] * contact.share[c];
+      contact.mobility += square * inverse_mass(touched[contact.corner[c]], contact.normal);
+      unbound += square * touched[contact.corner[c]].inverse_mass;
     }
+    if (contact.mobility < least_mobility * unbound) contact.mobility = 0.0;
   }
 }
 

@@ -263,6 +263,24 @@ TEST(BodyContact, AnOverlapAtTheStartGoesGently) {
 }
 
 /// From rest a jaw takes the cube down, past the gap in its first step: the slab is where the cube leaves room.
+/// Both slide along their common side, and can do nothing about it.
+TEST(BodyContact, AnOverlapOfWhatCannotPartDoesNoHarm) {
+  const Model model = stacked(-0.001);
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    scene
+        .add({.type = LoadType::translation,
+              .particles = every_particle(model),
+              .axes = {Axis::free, Axis::free, Axis::held}})
+        .contacts({});
+    const auto solver = make_solver(backend, model, scene);
+    EXPECT_TRUE(is_ok(solver->step(5, 0.5 * solver->stable_step()))) << backend;
+    for (Index i = 0; i < model.particle_count(); ++i) {
+      EXPECT_LT((solver->read().position[i] - model.rest[i]).norm(), 1e-9) << backend << ' ' << i;
+    }
+  }
+}
+
 TEST(BodyContact, WhatAToolSetsGoingIsSeenInThatStep) {
   const Model model = cube_on_slab(0.002);
   const Vec3 middle(0.0313, 0.0321, 0.032), end = middle - Vec3(0, 0, 0.003);
