@@ -81,7 +81,7 @@ class BodyCutter {
                                                   cell_label(model_, static_cast<std::size_t>(row)) + " is none");
       }
       for (const Index i : cell.particles) cells_of_[i].push_back(row);
-      volume += cell_volume(model_, cell);
+      volume += signed_measure(model_.dimension, cell, model_.rest);
     }
     if (!(volume > 0.0)) throw Error("cut_body: expected a body of tetrahedra, got none");
     spacing_ = std::cbrt(volume / static_cast<double>(model_.rest.size()));
@@ -277,11 +277,14 @@ class BodyCutter {
   }
 
   void follow_components() {
+    std::vector<Index> other_part(before_.size(), -1);
+    for (const auto& [row, other] : part_of_) other_part[row] = other;
     for (Component& component : model_.components) {
       std::vector<Index> added;
-      for (const auto& [row, other] : part_of_) {
-        const bool has = std::ranges::count(component.cells, row) + std::ranges::count(component.cell_refs, row) > 0;
-        if (has) added.push_back(other);
+      for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
+        for (const Index row : *rows) {
+          if (other_part[row] >= 0) added.push_back(other_part[row]);
+        }
       }
       component.cell_refs.insert(component.cell_refs.end(), added.begin(), added.end());
       std::vector<Index> copies;

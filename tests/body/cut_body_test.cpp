@@ -133,6 +133,18 @@ TEST(CutBody, CutsHalvesApartAtTheSurface) {
   EXPECT_GT(facets.size(), surface_triangles(slab(8, 0.45)).size());
 }
 
+/// Where faces of cells lie on the surface, nothing is parted but along them.
+TEST(CutBody, CutsAlongFaces) {
+  const Model whole = slab(8, 0.4, 0.0);
+  const Model model = cut_body(whole, cut_plane({0.05, 0, 0}, {1, 0, 0}));
+  EXPECT_EQ(model.cells.size(), whole.cells.size());
+  EXPECT_EQ(model.particle_count(), whole.particle_count() + 9 * 5);
+  const std::vector<ConnectedBody> halves = connected_bodies(model);
+  ASSERT_EQ(halves.size(), 2u);
+  EXPECT_NEAR(halves[0].volume, halves[1].volume, 1e-15);
+  EXPECT_EQ(model.group("y0").size(), whole.group("y0").size() + 5);
+}
+
 /// Three planes through a corner of space: the share of each of eight pieces follows from the planes alone.
 TEST(CutBody, CutsAcrossEarlierCuts) {
   const Model whole = slab(6, 0.4);
