@@ -155,7 +155,6 @@ typedef struct phymul_options {
   phymul_run_parts run_parts;       // threads of the host; NULL: the library starts threads
   void* run_parts_user;
 } phymul_options;
-
 // Of one body (count 1, names NULL), or of several, each with a name; their groups are then "name/group".
 PHYMUL_API phymul_status phymul_simulation_create(const phymul_body* const* bodies, const char* const* names,
                                                   int32_t count, const phymul_options* options,
@@ -207,7 +206,6 @@ typedef struct phymul_rest_report {
   double time;        // s
   double residual;    // N; solve_static: net forces over loads
 } phymul_rest_report;
-
 // Simulation::advance and Simulation::step. PHYMUL_STEP_FAILED fills the report too. It may be NULL.
 PHYMUL_API phymul_status phymul_advance(phymul_simulation* sim, double seconds, phymul_step_report* report);
 PHYMUL_API phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phymul_step_report* report);
@@ -231,7 +229,6 @@ PHYMUL_API phymul_status phymul_energy(const phymul_simulation* sim, double ener
 PHYMUL_API phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count);
-
 // Starts from [N][3] positions, m (NULL: at rest), and velocities, m/s (NULL: 0). Tools hold nothing.
 PHYMUL_API phymul_status phymul_set_state(phymul_simulation* sim, double time, const double* positions,
                                           const double* velocities);
@@ -356,7 +353,6 @@ typedef struct phymul_candidate {
   int32_t threads;
   int32_t unused;
 } phymul_candidate;
-
 // Makes a simulation of a candidate, with its scene, and hands it over to the library. Called by phymul_plan_create and
 // phymul_plan_make, in their thread. PHYMUL_INTERNAL ends the planning; any other error leaves the candidate out.
 typedef phymul_status (*phymul_builder)(void* user, const phymul_candidate* candidate, phymul_simulation** made);

@@ -55,6 +55,7 @@ class BodyCutter {
     corners.erase(again.begin(), again.end());
     for (const Index i : corners) copy_particle(i);
     follow_components();
+    model_.neighbours = neighbours_from_cells(model_.cells, model_.particle_count());
     model_.extras = nullptr;
     validate(model_);
     return std::move(model_);

@@ -24,7 +24,7 @@ class SurfaceBuilder {
     for (const Facet& facet : facets) add(facet, body, solid);
     if (facets.empty()) {
       for (const Index i : particles) {
-        if (model_.mass[i] == 0.0) continue;  // removed
+        if (!model_.mass.empty() && model_.mass[i] == 0.0) continue;  // removed
         for (const Index* j = model_.neighbours.begin(i); j != model_.neighbours.end(i); ++j) add_edge(i, *j, body);
       }
     }

@@ -157,7 +157,7 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
   std::vector<ConnectedBody> bodies;
   std::vector<Index> row_of(model.rest.size(), -1);  // of roots
   for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.mass[i] == 0.0) continue;
+    if (!model.mass.empty() && model.mass[i] == 0.0) continue;  // of surfaces alone there are no masses
     Index& row = row_of[sets.root(i)];
     if (row < 0) {
       row = static_cast<Index>(bodies.size());

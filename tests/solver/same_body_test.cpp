@@ -46,8 +46,10 @@ TEST(TopologyOfAChangedModel, IsRefusedWithWhatHasChanged) {
   const auto material = [](double young, double poisson) {
     return [=](Model& m) { set_material(m, {young, poisson, own_tissue.density}); };
   };
-  EXPECT_TRUE(says(after(model, material(6e4, 0.3)), "another Young's modulus, Poisson's ratio, dissipation or row"));
-  EXPECT_TRUE(says(after(model, material(6e3, 0.45)), "another Young's modulus, Poisson's ratio, dissipation or row"));
+  EXPECT_TRUE(says(after(model, material(6e4, 0.3)),
+                   "another Young's modulus, Poisson's ratio, dissipation, stiffening or row"));
+  EXPECT_TRUE(says(after(model, material(6e3, 0.45)),
+                   "another Young's modulus, Poisson's ratio, dissipation, stiffening or row"));
   EXPECT_TRUE(says(after(model, material(6e3, 0.45)), "build them anew with build_topology"));
   EXPECT_TRUE(says(after(model,
                          [](Model& m) {
