@@ -80,17 +80,14 @@ enum { PHYMUL_UNIAXIAL = 0, PHYMUL_SHEAR = 1, PHYMUL_FIT_EXPONENTIAL = 1, PHYMUL
 PHYMUL_API phymul_status phymul_fit_material(const phymul_material* start, const int32_t* tests, const double* strains,
                                              const double* stresses, int32_t count, int32_t terms, int32_t goal,
                                              phymul_material* fitted, double* error, double* fitted_stresses);
-
 // A place around which a body is finer (fine_near): `spacing` within `radius`, plus half the distance outside.
 typedef struct phymul_fine_place {
   double place[3];  // m
   double radius;    // m, > 0
   double spacing;   // m, > 0
 } phymul_fine_place;
-
 // Types of cells; the order of vertices is in include/phymul/model.h.
 enum { PHYMUL_TETRAHEDRON = 4, PHYMUL_WEDGE = 5, PHYMUL_PYRAMID = 6, PHYMUL_HEXAHEDRON = 7 };
-
 // make_block (hexahedra, 6 neighbours), make_tetrahedral_block, make_cylinder: include/phymul/shapes.h has the groups.
 PHYMUL_API phymul_status phymul_body_block(const double size[3], int32_t nx, int32_t ny, int32_t nz,
                                            phymul_body** made);
@@ -112,7 +109,6 @@ PHYMUL_API phymul_status phymul_body_from_arrays(const double* rest, int32_t par
                                                  phymul_body** made);
 PHYMUL_API phymul_status phymul_body_moved(const phymul_body* body, const double by[3], phymul_body** made);
 PHYMUL_API void phymul_body_free(phymul_body* body);
-
 PHYMUL_API phymul_status phymul_body_rest(phymul_body* body, const double** rest, int32_t* particle_count);  // m
 PHYMUL_API phymul_status phymul_body_masses(const phymul_body* body, double* masses);  // fills [particle_count], kg
 PHYMUL_API phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const int32_t** first,  // as above
