@@ -64,7 +64,7 @@ TEST(GuideBodies, FitsAMaterialToTests) {
   const phymul::MaterialFit fit = phymul::fit_material(measured, {.poisson = 0.49, .density = 1040});
   phymul::set_material(model, fit.material);  // fit.largest_error: relative
 
-  EXPECT_LT(fit.largest_error, 0.1);
+  EXPECT_LT(fit.largest_error, 0.15);
 }
 
 TEST(GuideBodies, StiffensWhileItRuns) {
