@@ -40,7 +40,7 @@ build() {  # target
 test_with() {  # ctest's options. Loops without end and memory without end end too
   rm -f "$tree/build/Testing/Temporary/CTestCostData.txt"  # by which long suites would be first
   run 3000 sh -c 'ulimit -v 16000000 && exec "$@"' - env GTEST_FAIL_FAST=1 ctest --test-dir "$tree/build" \
-    --parallel 2 --stop-on-failure --timeout 240 --output-on-failure -LE full "$@"
+    --parallel 2 --stop-on-failure --timeout 1200 --output-on-failure -LE full "$@"
 }
 
 suites_near() {  # file: suites of its room and of files named as it is, as a regular expression; or nothing

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "scene/loose_parts.h"
 #include "support/message_of.h"
 #include "support/rounding_bound.h"
 #include "support/run_scenes.h"
@@ -160,6 +161,19 @@ TEST(SeveralBodies, WhatCannotBeMergedIsRefused) {
   const Load load{.particles = {0, 2}, .toward = -1};
   EXPECT_EQ(for_merged(load, 7).particles, (std::vector<Index>{7, 9}));
   EXPECT_EQ(for_merged(load, 7).toward, -1);
+}
+
+TEST(SeveralBodies, ALoadOnBothPushesTheOneThatNothingHolds) {
+  const Model model = TwoOrgans().both();
+  const auto first_pushed = [&](const std::vector<Index>& particles) {
+    Scene scene(model);
+    scene.fix(model.group("soft/x0"));
+    scene.add({.type = LoadType::force, .particles = particles, .events = {{0, 1}}, .direction = {0, 0, 1}});
+    return first_loose(scene);
+  };
+  EXPECT_EQ(first_pushed(every_particle(model)), model.group("hard").front());
+  EXPECT_EQ(first_pushed(model.group("hard")), model.group("hard").front());
+  EXPECT_EQ(first_pushed(model.group("soft")), -1);
 }
 
 }  // namespace
