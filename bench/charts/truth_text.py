@@ -110,13 +110,10 @@ one branch alone (mu {brain; mu, kPa, fit of tension; one cube}, {brain; mu, kPa
 
 **Stiffening does**, with E {brain; E, kPa; all constants} kPa, `exponential` {brain; exponential; all constants},
 `exponent` {brain; exponent; all constants}, `second` {brain; second; all constants} and `second_fades` {brain;
-second_fades; all constants}. The largest error over the 12 points, in %:
-
-- {brain; largest error, %; neo-Hookean} with E alone,
-- {brain; largest error, %; exponential} with `exponential` and `exponent` (Demiray, Fung),
-- {brain; largest error, %; exponential, second} with `second` too,
-- {brain; largest error, %; all constants} with all constants,
-- {brain; largest error, %; all constants, least squares} with all, by least squares.
+second_fades; all constants}. The largest error over the 12 points is {brain; largest error, %; neo-Hookean} % with E
+alone, {brain; largest error, %; exponential} % with `exponential` and `exponent` (Demiray, Fung), {brain; largest error,
+%; exponential, second} % with `second` too, {brain; largest error, %; all constants} % with all constants, and {brain;
+largest error, %; all constants, least squares} % with all by least squares.
 
 Further constants gain little: all nine of a polynomial of third degree leave 8.4 % ([other
 laws](../decisions/2026-11-27-laws-of-tissue.md)).
