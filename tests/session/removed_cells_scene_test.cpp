@@ -31,6 +31,7 @@ TEST_P(RemovedCellsOn, BareSurfacesThatTouch) {
     if (std::abs(low - 0.03) < 1e-6) layer.push_back(row);
   }
   ASSERT_EQ(layer.size(), 9u);
+  ASSERT_TRUE(sim.advance(0.001).ok());  // a solver made later would see the surfaces as they are then
   sim.remove_cells(layer);
   const std::vector<ConnectedBody> pieces = connected_bodies(sim.model());
   ASSERT_EQ(pieces.size(), 2u);
@@ -100,6 +101,7 @@ TEST_P(RemovedCellsOn, OpenAVolume) {
   Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for(GetParam()));
   sim.scene().fix("z0").gravity({0, 0, -30}).constrain_volume();
   EXPECT_FALSE(sim.scene().any_volume_open());
+  ASSERT_TRUE(sim.advance(0.001).ok());
   sim.remove_cells(std::vector<Index>{26});
   EXPECT_TRUE(sim.scene().is_open(0));
   const StepReport report = sim.advance(0.1);
