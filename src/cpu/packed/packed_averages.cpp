@@ -181,6 +181,7 @@ class AveragesPacker {
   }
 
   std::int32_t first_row_of(const std::vector<LinkRow>& rows) {
+    if (rows.empty()) return 0;
     const std::string_view bytes(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(LinkRow));
     const auto next = static_cast<std::int32_t>(to_.links.size() / 4);
     const auto [known, is_new] = rows_.try_emplace(std::hash<std::string_view>()(bytes), next);
