@@ -29,8 +29,8 @@ std::int32_t narrow_bits(double value) {
 
 void pack_particles(const TopologyTextures& from, FloatTables& to) {
   for (Index i = 0; i < from.particle_count; ++i) {
-    to.particle.push_back({narrow(from.mass[i] > 0.0 ? 1.0 / from.mass[i] : 0.0), narrow(from.stiffness.empty() ? 0.0 : from.stiffness[i]),
-                           narrow(from.mass[i]), 0.0f});
+    to.particle.push_back({narrow(from.mass[i] > 0.0 ? 1.0 / from.mass[i] : 0.0),
+                           narrow(from.stiffness.empty() ? 0.0 : from.stiffness[i]), narrow(from.mass[i]), 0.0f});
     const IndexTexel& at = from.index[i];
     to.index.push_back({at.neighbour_count, at.first_neighbour, at.base_count, at.first_base});
   }

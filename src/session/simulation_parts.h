@@ -32,7 +32,7 @@ struct Simulation::Parts {
   /// Gives the scene the tools, joints and target poses of a snapshot, unless it is of another body.
   void bring_back(const Snapshot& snapshot);
   void set_removed_cells(std::vector<Index> removed);  ///< ascending
-  void state_changed();  ///< by something that the recorder does not see
+  void state_changed();                                ///< by something that the recorder does not see
 
   StepReport step(int n, double dt);
   RestResult run_to_rest(int max_steps, double dt, const Damping& damping);

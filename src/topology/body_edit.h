@@ -20,10 +20,10 @@ class BodyEdit {
   /// the body is made of cells with materials.
   BodyEdit(Model& model, TopologyTextures& topology);
 
-  /// Sets Cell::share of these cells: 0, or with 1 what it is while they are not removed. The tables' lists of edits say what changed. A particle's mass is in
-  /// proportion to what its cells weigh, but not so small that it would vibrate faster than all of the body did: what
-  /// is kept for that is at most its mass at the beginning. Without a cell it is 0. Throws Error, and changes nothing,
-  /// for a row that is no cell with a material.
+  /// Sets Cell::share of these cells: 0, or with 1 what it is while they are not removed. The tables' lists of edits
+  /// say what changed. A particle's mass is in proportion to what its cells weigh, but not so small that it would
+  /// vibrate faster than all of the body did: what is kept for that is at most its mass at the beginning. Without a
+  /// cell it is 0. Throws Error, and changes nothing, for a row that is no cell with a material.
   void set_shares(std::span<const Index> cells, double share);
 
  private:
