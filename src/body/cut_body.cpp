@@ -200,15 +200,7 @@ class BodyCutter {
     if (const int side = a.side != 0 ? a.side : b.side; side != 0) {
       cuts_of_face_.push_back({side * distance_[face[0]], side * distance_[face[1]], side * distance_[face[2]]});
     }
-    for (const Index row : {cell_a, cell_b}) {
-      const std::vector<CellCut>& cuts = earlier_[row];
-      for (const CellCut& cut : cuts) {
-        FaceCut& own = cuts_of_face_.emplace_back();
-        for (std::size_t k = 0; k < 3; ++k) {
-          own[k] = cut[static_cast<std::size_t>(std::ranges::find(before_[row], face[k]) - before_[row].begin())];
-        }
-      }
-    }
+    for (const Index row : {cell_a, cell_b}) add_cuts_of_face(before_[row], earlier_[row], face, cuts_of_face_);
     return has_tissue(cuts_of_face_);
   }
 

@@ -93,11 +93,12 @@ bool has_tissue(std::span<const FaceCut> cuts) {
   return area.norm() > no_area;
 }
 
-void add_cuts_of_face(const Cell& cell, const std::array<Index, 3>& face, std::vector<FaceCut>& cuts) {
-  for (const CellCut& cut : cell.cuts) {
+void add_cuts_of_face(std::span<const Index> particles, std::span<const CellCut> of_cell,
+                      const std::array<Index, 3>& face, std::vector<FaceCut>& cuts) {
+  for (const CellCut& cut : of_cell) {
     FaceCut& own = cuts.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {
-      own[k] = cut[static_cast<std::size_t>(std::ranges::find(cell.particles, face[k]) - cell.particles.begin())];
+      own[k] = cut[static_cast<std::size_t>(std::ranges::find(particles, face[k]) - particles.begin())];
     }
   }
 }

@@ -69,7 +69,7 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
       faces.push_back(candidate(ring, inside_out));
       if (cell.cuts.empty()) return;
       cuts.clear();
-      add_cuts_of_face(cell, {ring[0], ring[1], ring[2]}, cuts);
+      add_cuts_of_face(cell.particles, cell.cuts, {ring[0], ring[1], ring[2]}, cuts);
       faces.back().beyond_cut = !has_tissue(cuts);
     });
   }
