@@ -228,8 +228,8 @@ class Scene {
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
   const std::vector<VolumeConstraint>& volume_constraints() const { return volume_constraints_; }
+  bool any_volume_open() const;  ///< is_open() of one or more
   /// Whether a triangle of this volume constraint is no longer at a cell (body_changed()): then its volume is not kept.
-  bool any_volume_open() const;
   bool is_open(std::size_t volume) const { return volume < open_volumes_.size() && open_volumes_[volume] != 0; }
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 

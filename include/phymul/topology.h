@@ -81,7 +81,7 @@ enum class StrainEnergy {
   fibres,
   /// mu/2 [(1 - k) X + k (e^(b X) - 1) / b + c (Y - X) / (1 + d X)] + K U(J) where neo_hookean is exact, with
   /// X = J^(-2/3) tr(F^T F) - 3, Y = J^(-4/3) |cof F|^2 - 3, and k, b, c, d of Material::stiffening. Above b X = 4 the
-  /// exponential goes on as its tangent. Beyond, X is the former energy over mu/2 without K U(J), and the last term
+  /// exponential is replaced by its tangent. Beyond, X is the former energy over mu/2 without K U(J), and the last term
   /// fades. build_topology uses it if a material has stiffening. It is the law of Mooney and Rivlin if k = d = 0, of
   /// Demiray if k = 1, c = 0, and of Veronda and Westmann (1970) if k + c = 1, d = 0.
   stiffening

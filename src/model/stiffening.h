@@ -7,8 +7,8 @@
 
 namespace phymul {
 
-/// Of StrainEnergy::stiffening: b X, above which the exponential goes on as its tangent. e^4 = 55: what the stiffness
-/// of that term can grow by, and with it the frequencies.
+/// Of StrainEnergy::stiffening: b X, above which the exponential is replaced by its tangent. e^4 = 55: what the
+/// stiffness of that term can grow by, and with it the frequencies.
 inline constexpr double most_exponent = 4.0;
 
 /// What constants out of range are called; empty: none are. They are out of range if the stress of an incompressible

@@ -241,7 +241,7 @@ TEST_P(CutBodyOn, OpensUnderGravity) {
 
 PHYMUL_ON_EVERY_BACKEND(CutBodyOn);
 
-/// A body that moves is cut and goes on: copies have the places and velocities of the particles that they copy.
+/// A moving body is cut and simulated further. Copies have the positions and velocities of their originals.
 TEST(CutBody, GoesOnFromAMovingBody) {
   SimulationOptions options;
   options.backend = "cpu";
