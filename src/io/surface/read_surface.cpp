@@ -31,15 +31,25 @@ std::string word_of(std::size_t number) {  // little-endian
   return word;
 }
 
-/// Chunks of a length that is no multiple of 4 are filled up, as the format requires.
-std::string mended_glb(const std::string& bytes) {
+/// The file's bytes, with chunks of a length that is no multiple of 4 filled up as the format requires. Assimp takes as
+/// much memory as a chunk says it is long, and keeps some of it where the chunk is not there; so lengths are held here.
+std::string mended_glb(const std::string& path) {
+  const std::string bytes = read_whole_file(path, most_bytes);
+  if (!bytes.starts_with("glTF" + word_of(2))) {
+    fail_format(path, 0, "expected binary glTF of version 2, which begins with \"glTF\" and the number 2");
+  }
   std::string chunks;
-  if (!bytes.starts_with("glTF" + word_of(2))) return bytes;
   for (std::size_t at = 12; at + 8 <= bytes.size();) {
     std::size_t length = 0;
     for (int k = 4; k-- > 0;) length = length << 8 | static_cast<unsigned char>(bytes[at + k]);
-    if (length > bytes.size() - at - 8) return bytes;
+    if (length > bytes.size() - at - 8) {
+      fail_format(path, 0,
+                  "the chunk at byte " + std::to_string(at) + " says that it has " + std::to_string(length) +
+                      " bytes, but the file ends after " + std::to_string(bytes.size() - at - 8) +
+                      "; it was cut short or damaged");
+    }
     const std::string kind = bytes.substr(at + 4, 4), filling((4 - length % 4) % 4, kind == "JSON" ? ' ' : '\0');
+    if (at == 12 && kind != "JSON") fail_format(path, 0, "expected a chunk \"JSON\" at byte 12");
     chunks += word_of(length + filling.size()) + kind + bytes.substr(at + 8, length) + filling;
     at += 8 + length;
     // Some fill up and do not count it: the next chunk is where one begins.
@@ -75,7 +85,7 @@ Surface read_gltf(const std::string& path) {
   Assimp::Importer importer;
   // None of its later treatments: they stop the program where they meet what they do not expect.
   const std::string ending = file_ending(path);
-  const std::string bytes = ending == ".glb" ? mended_glb(read_whole_file(path, most_bytes)) : "";
+  const std::string bytes = ending == ".glb" ? mended_glb(path) : "";
   const aiScene* scene =
       ending == ".glb" ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, "glb") : importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) {
