@@ -142,6 +142,7 @@ class SolverBackend : public Solver {
   /// The tables of these domains changed, and the masses of their particles; do_scene_changed() comes next. The default
   /// throws Error.
   virtual void do_body_changed(std::span<const Index> domains);
+  void continue_copies(std::span<const Index> domains);
   virtual Motion do_step(const StepPlan& plan) = 0;
   virtual void do_read(State& state) const = 0;
   virtual Energy do_energy() const = 0;
@@ -214,6 +215,7 @@ class SolverBackend : public Solver {
   int steps_a_slice_ = 1;                     // between two looks at the clock, if progress is asked for
   Spectrum own_spectrum_;                     // of the model's own stiffness
   std::size_t edits_seen_ = 0;                // of TopologyTextures::edited
+  std::size_t copies_seen_ = 0;               // of TopologyTextures::copied
   double largest_before_edits_ = 0.0;         // own_spectrum_.largest
   double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of it and of its dissipation, over the masses: 1/s^2, 1/s
   std::unique_ptr<ScaledTables> scaled_;

@@ -134,4 +134,10 @@ CutSurface cut_plane(const Vec3& point, const Vec3& normal);  ///< throws Error 
 /// a distance that is not finite.
 Model cut_body(Model model, const CutSurface& cut, std::vector<Index>* copies = nullptr);
 
+/// The same body with room for the copies of so many particles, which cuts of a running Simulation need: particles
+/// without mass, cell and neighbour, after all others. About 2.3 are used for each square spacing of cut surface. They
+/// are particles like others in every state, picture and file, and rest at the place of the first one until a cut uses
+/// them. Throws Error for a negative number and a body without cells.
+Model with_spare_particles(Model model, Index count);
+
 }  // namespace phymul

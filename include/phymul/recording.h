@@ -70,8 +70,9 @@ class Recorder {
   void reset(const State& state);
   void restore(const Snapshot& snapshot);
 
-  /// Records which cells of the body are the removed ones from now on, after Solver::body_changed().
-  void set_removed_cells(std::span<const Index> removed);
+  /// Records which cuts the body has and which of its cells are the removed ones from now on, after
+  /// Solver::body_changed().
+  void body_changed();
 
   /// Records an input of the application, which Replay passes to Replay::on_note. Throws Error unless `kind` has four
   /// printable ASCII characters and is not a kind of the library.
@@ -85,6 +86,7 @@ class Recorder {
   void record(std::string_view kind, std::string bytes);
   void record_scene();
   void keep_scene();
+  void keep_body();
   void record_tool(const SceneTool& tool);
 
   Solver& solver_;
@@ -92,6 +94,8 @@ class Recorder {
   Recording recording_;
   std::uint64_t scene_version_ = 0;
   std::unique_ptr<SceneBefore> before_;  // the scene as recorded
+  BodyCuts cuts_;                        // the body as recorded
+  std::vector<Index> removed_;
   struct SeenTool {
     std::uint64_t moves = 0, places = 0, grasps = 0;
   };
@@ -119,9 +123,9 @@ class Replay {
   /// allowed. Throws Error for a position after the end.
   void skip_to(std::uint64_t position);
 
-  /// Makes these rows of Model::cells, and no others, the removed ones (Simulation does so). Empty: a recording that
-  /// removes cells throws Error.
-  std::function<void(std::span<const Index>)> on_removed_cells;
+  /// Makes these rows of Model::cells, and no others, the removed ones, and these the cuts of the body (Simulation does
+  /// so). Empty: a recording that changes the body throws Error.
+  std::function<void(const std::vector<Index>& removed, const BodyCuts& cuts)> on_body;
   std::function<void(const Input&)> on_note;  ///< receives the application's own inputs; empty: they are skipped
 
  private:
@@ -129,7 +133,7 @@ class Replay {
   void move_tool(const Input& input);
   void follow_checkpoint(const Input& input) const;
   void start_scene();
-  void make_removed(std::span<const Index> cells);
+  void make_body(const std::vector<Index>& removed, const BodyCuts& cuts);
   void advance();  // position_ by one
 
   Recording recording_;

@@ -4,6 +4,7 @@
 // has the present factors of stiffness. It may change between steps. What a scene does not contain costs no time.
 #pragma once
 
+#include <phymul/body_cut.h>
 #include <phymul/joint.h>
 #include <phymul/load.h>
 #include <phymul/model.h>
@@ -236,10 +237,11 @@ class Scene {
   // For authors of backends (load_frame.h).
   /// Counts all changes except those that values_version() counts and those by a ToolHandle (SceneTool counts these).
   /// A solver that finds a new value calls prepare() again.
-  /// Says that cells of the model were removed or brought back (Simulation::remove_cells calls it): what depends on
+  /// Says that cells of the model were removed, brought back or cut (Simulation calls it): what depends on
   /// surface and masses follows. Particles without mass stay at their rest places, nothing touches or pulls them, and
   /// springs of joints that end at one are broken.
-  void body_changed();
+  /// `cuts`: all that the body has. Loads on particles through which one passes act on the copies there, too.
+  void body_changed(const BodyCuts& cuts = {});
   std::uint64_t body_version() const { return body_version_; }  ///< counts its calls
   std::uint64_t version() const { return version_; }
   /// Counts calls of set_events(), of JointHandle, and of scale_stiffness() unless all factors were or become 1.
@@ -266,6 +268,7 @@ class Scene {
 
   void set_factors(std::vector<double> factors);
   void find_removed();
+  void follow_copies(const BodyCuts& cuts);
   void find_open_volumes();
   void require(const Load& load) const;
   Action accepted(Load& load) const;
@@ -293,8 +296,9 @@ class Scene {
   std::uint64_t version_ = 0, values_version_ = 0;
   // Of body_changed():
   std::uint64_t body_version_ = 0;
-  std::vector<Index> removed_;      // particles without mass
-  std::vector<char> open_volumes_;  // per volume constraint there was
+  std::vector<Index> removed_;                // particles without mass
+  std::vector<std::array<Index, 2>> copies_;  // that lie on cuts, and what they copy
+  std::vector<char> open_volumes_;            // per volume constraint there was
 };
 
 }  // namespace phymul

@@ -3,6 +3,7 @@
 // State: positions and velocities of a body. Plain data to copy, save and compare.
 #pragma once
 
+#include <phymul/body_cut.h>
 #include <phymul/joint.h>
 #include <phymul/model.h>
 #include <phymul/tool.h>
@@ -77,6 +78,7 @@ struct Snapshot {
   std::vector<ToolMemory> tools;     ///< of scene->tools
   std::vector<JointReport> joints;   ///< of scene->joints
   std::vector<Index> removed_cells;  ///< TopologyTextures::removed
+  BodyCuts cuts;                     ///< TopologyTextures::cuts
   /// Solver::topology_hash() of the solver it was taken from. 0: unknown, and Solver::restore() does not check it.
   std::uint64_t topology_hash = 0;
   std::string backend;  ///< Solver::name() of that solver; empty: unknown
@@ -86,7 +88,8 @@ inline bool operator==(const Snapshot& a, const Snapshot& b) {
     return std::tie(of.state, of.last_dt, of.steps_at_rest, of.growth, of.max_speed, of.displacement, of.parts,
                     of.tools, of.removed_cells, of.joints, of.topology_hash, of.backend);
   };
-  return members(a) == members(b) && (a.scene && b.scene ? *a.scene == *b.scene : a.scene == b.scene);
+  return members(a) == members(b) && equal_cuts(a.cuts, b.cuts) &&
+         (a.scene && b.scene ? *a.scene == *b.scene : a.scene == b.scene);
 }
 
 /// The rest shape without motion, at time 0.

@@ -14,6 +14,7 @@
 // 2^24.
 #pragma once
 
+#include <phymul/body_cut.h>
 #include <phymul/topology.h>
 
 #include <array>
@@ -173,6 +174,8 @@ struct TopologyTextures {
   /// Domains whose rows, or whose particles' masses, changed: in order of the changes, so that a domain may recur.
   /// Numbers of particles and domains stay. A domain without a cell keeps its volume and has no links.
   std::vector<Index> edited;
+  BodyCuts cuts;                             ///< those made and not undone, in order (Simulation::cut)
+  std::vector<std::array<Index, 2>> copied;  ///< of all cuts made: a copy, and the particle that it copies
   double stiffened = 1.0;              ///< a bound, >= 1, of the factor by which that raised the largest eigenvalue
   std::optional<std::uint64_t> built;  ///< fingerprint() before the first edit
 
@@ -186,10 +189,11 @@ struct TopologyTextures {
 };
 
 /// Hash (FNV-1a, 64 bits) of the constants and indices of the tables. It depends on material, rest shape, masses,
-/// options and order of the particles; of an edited body on what it had been and on the cells that are removed now.
+/// options and order of the particles; of an edited body on what it had been, on the cuts and on the cells that are
+/// removed now.
 /// Files contain it; it is the same on every system.
 std::uint64_t fingerprint(const TopologyTextures& topology);
-/// What it is while these cells (TopologyTextures::removed) are the removed ones.
-std::uint64_t fingerprint(const TopologyTextures& topology, std::span<const Index> removed);
+/// What it is while these cells (TopologyTextures::removed) are the removed ones and these are the cuts.
+std::uint64_t fingerprint(const TopologyTextures& topology, std::span<const Index> removed, const BodyCuts& cuts);
 
 }  // namespace phymul

@@ -99,6 +99,33 @@ StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topolo
   return memory;
 }
 
+void continue_strains(const TopologyTextures& t, std::span<const Index> domains,
+                      std::span<const std::array<Index, 2>> copied, Snapshot& snapshot) {
+  StrainMemory memory = strains_of(snapshot, t);
+  if (memory.empty()) return;
+  const KeptStrains kept = kept_strains(t);
+  const auto branch_of = [&](Index d) -> Strain& {
+    return memory[static_cast<std::size_t>(d) * kept.count() + kept.rate];
+  };
+  if (kept.branch) {
+    for (const auto& [copy, of] : copied) {
+      for (Index d = t.first_domain[copy]; d < t.first_domain[copy + 1]; ++d) {
+        for (Index e = t.first_domain[of]; e < t.first_domain[of + 1]; ++e) {
+          if (t.domains[d].material == t.domains[e].material) branch_of(d) = branch_of(e);
+        }
+      }
+    }
+  }
+  if (kept.rate) {
+    for (const Index d : domains) {
+      const Mat3 H = mean_gradient(t, d, displacements_at(t, snapshot.state.position));
+      memory[static_cast<std::size_t>(d) * kept.count()] = strain_of(green_strain(H));
+    }
+  }
+  std::erase_if(snapshot.parts, [](const Snapshot::Part& part) { return part.name == part_name; });
+  put_strains(memory, snapshot);
+}
+
 double add_dissipative_forces(const TopologyTextures& t, std::span<const Vec3> x, const StrainMemory& memory, double dt,
                               double last_dt, std::span<Vec3> force, StrainMemory* next) {
   const KeptStrains kept = kept_strains(t);

@@ -38,6 +38,11 @@ bool has_strains(const Snapshot& snapshot);
 /// The part that put_strains() added; empty if there is none. Throws Error if it is of another body or not finite.
 StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topology);
 
+/// After an edit of the tables: the strains E- of the domains are those of the state, so that no step takes the change
+/// for a motion, and the copies of particles keep the Ev of these.
+void continue_strains(const TopologyTextures& topology, std::span<const Index> domains,
+                      std::span<const std::array<Index, 2>> copied, Snapshot& snapshot);
+
 /// Adds the forces of a step of `dt`, s, from x, N. `last_dt`, s: of the step before, 0: there was none. `next`, if not
 /// null, gets the memory after this step. Returns the energy in the branches at x, J, if the
 /// step before took `dt` too.

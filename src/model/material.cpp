@@ -43,7 +43,7 @@ void sum_masses(Model& model) {
   for (std::size_t i = 0; i < mass.size(); ++i) {
     if (mass[i] > 0.0) {
       model.mass[i] = mass[i];
-    } else {
+    } else if (model.mass[i] > 0.0) {
       ++kept;
     }
   }

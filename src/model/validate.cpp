@@ -8,6 +8,7 @@
 #include <span>
 
 #include "base/decimal.h"
+#include "cell_cutter.h"
 #include "cell_geometry.h"
 #include "file_extras.h"
 #include "material.h"
@@ -38,18 +39,25 @@ void require_rows(const Model& model, const char* what, std::size_t size) {
                                             " rows in " + what + ", one per particle, got " + std::to_string(size));
 }
 
-/// Whether all cells around it are removed, and some are.
-bool is_removed(const Model& model, Index i) {
-  bool any = false;
+/// [N] 1: all cells around it are removed, and some are, or it is a spare particle.
+std::vector<char> without_tissue(const Model& model) {
+  std::vector<char> removed(model.rest.size(), 0), solid(model.rest.size(), 0);
   for (const Cell& cell : model.cells) {
-    if (std::ranges::find(cell.particles, i) == cell.particles.end()) continue;
-    if (is_solid(model.dimension, cell)) return false;
-    any = any || cell.share == 0.0;
+    std::vector<char>* const found = is_solid(model.dimension, cell) ? &solid : cell.share == 0.0 ? &removed : nullptr;
+    if (found == nullptr) continue;
+    for (const Index i : cell.particles) {
+      if (i >= 0 && i < model.particle_count()) (*found)[i] = 1;
+    }
   }
-  return any;
+  for (std::size_t i = 0; i < removed.size(); ++i) removed[i] = static_cast<char>(removed[i] != 0 && solid[i] == 0);
+  for (const Index i : spare_particles_of(model)) removed[i] = 1;
+  return removed;
 }
 
+constexpr const char* spare_last = "; spare particles (with_spare_particles) come after all others, without neighbours";
+
 void validate_particles(const Model& model) {
+  std::vector<char> may_be_massless;
   for (std::size_t i = 0; i < model.rest.size(); ++i) {
     if (!model.rest[i].allFinite()) {
       throw Error(ErrorCode::invalid_model,
@@ -61,9 +69,11 @@ void validate_particles(const Model& model) {
                                                 to_decimal(model.rest[i].z()) + " m");
     }
     const bool has_mass = model.mass[i] > 0.0 && std::isfinite(model.mass[i]);
-    if (!has_mass && !(model.mass[i] == 0.0 && is_removed(model, static_cast<Index>(i)))) {
+    if (!has_mass && may_be_massless.empty()) may_be_massless = without_tissue(model);
+    if (!has_mass && !(model.mass[i] == 0.0 && may_be_massless[i] != 0)) {
       throw Error(ErrorCode::invalid_model, particle_label(model, i) + ": expected a positive, finite mass, got " +
-                                                to_decimal(model.mass[i]) + " kg");
+                                                to_decimal(model.mass[i]) + " kg" +
+                                                (model.mass[i] == 0.0 ? spare_last : ""));
     }
     if (!(model.stiffness[i] >= 0.0) || !std::isfinite(model.stiffness[i])) {
       throw Error(ErrorCode::invalid_model, particle_label(model, i) +

@@ -282,8 +282,32 @@ Scene& Scene::clear() {
   return *this;
 }
 
-void Scene::body_changed() {
+void Scene::follow_copies(const BodyCuts& cuts) {
+  std::vector<std::array<Index, 2>> now;
+  for (const auto& cut : cuts) {
+    for (const BodyCut::Copy& copy : cut->copies) {
+      if (copy.shared) now.push_back({copy.particle, copy.of});
+    }
+  }
+  const auto stays = std::ranges::mismatch(copies_, now);
+  for (std::size_t row = 0; row < loads_.size(); ++row) {
+    std::vector<Index>& particles = loads_[row].particles;
+    const std::size_t before = particles.size();
+    for (auto old = stays.in1; old != copies_.end(); ++old) std::erase(particles, (*old)[0]);
+    bool changed = particles.size() != before;
+    for (auto added = stays.in2; added != now.end(); ++added) {
+      if (std::ranges::find(particles, (*added)[1]) == particles.end()) continue;
+      particles.push_back((*added)[0]);
+      changed = true;
+    }
+    if (changed) actions_[row] = prepared(loads_[row]);
+  }
+  copies_ = std::move(now);
+}
+
+void Scene::body_changed(const BodyCuts& cuts) {
   ++body_version_;
+  follow_copies(cuts);
   for (std::size_t row = 0; row < loads_.size(); ++row) {
     const LoadType type = loads_[row].type;
     if (type == LoadType::pressure || type == LoadType::acceleration) actions_[row] = prepared(loads_[row]);

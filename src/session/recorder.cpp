@@ -6,6 +6,7 @@
 #include <cctype>
 
 #include "base/byte_source.h"
+#include "cut_bytes.h"
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
@@ -54,6 +55,7 @@ RecordedOptions recorded_options(const Solver& solver) {
 Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_(scene) {
   if (&scene.model() != &solver.model()) throw Error("Recorder: the scene was made for another model");
   recording_.topology_hash = solver.topology_hash();
+  keep_body();
   recording_.backend = solver.name();
   recording_.device = solver.device();
   recording_.options = recorded_options(solver);
@@ -155,6 +157,8 @@ void Recorder::reset(const State& state) {
   Snapshot plain;
   plain.state = state;
   plain.removed_cells = solver_.topology().removed;
+  plain.cuts = solver_.topology().cuts;
+  keep_body();
   record_scene();
   record(input_kind::restore, snapshot_bytes(plain));
 }
@@ -166,14 +170,31 @@ void Recorder::restore(const Snapshot& snapshot) {
     record(input_kind::scene, scene_change_bytes(scene_, *before_, true));
     keep_scene();
   }
+  keep_body();
   record_scene();
   record(input_kind::restore, snapshot_bytes(snapshot));
 }
 
-void Recorder::set_removed_cells(std::span<const Index> removed) {
-  ByteWriter out;
-  out.field(std::vector<Index>(removed.begin(), removed.end()), "");
-  record(input_kind::removed, out.bytes());
+void Recorder::keep_body() {
+  cuts_ = solver_.topology().cuts;
+  removed_ = solver_.topology().removed;
+}
+
+void Recorder::body_changed() {
+  const TopologyTextures& body = solver_.topology();
+  if (!equal_cuts(cuts_, body.cuts)) {
+    const auto stays = static_cast<std::size_t>(std::ranges::mismatch(cuts_, body.cuts).in1 - cuts_.begin());
+    ByteWriter out;
+    out.u64(stays);
+    cuts_field(out, BodyCuts(body.cuts.begin() + static_cast<std::ptrdiff_t>(stays), body.cuts.end()));
+    record(input_kind::cut, out.bytes());
+  }
+  if (removed_ != body.removed) {
+    ByteWriter out;
+    out.field(body.removed, "");
+    record(input_kind::removed, out.bytes());
+  }
+  keep_body();
 }
 
 void Recorder::note(std::string_view kind, std::string bytes) {

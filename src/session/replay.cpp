@@ -7,6 +7,7 @@
 
 #include "base/decimal.h"
 #include "base/file_error.h"
+#include "cut_bytes.h"
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
@@ -94,14 +95,15 @@ void Replay::follow_checkpoint(const Input& input) const {
               solver_.device() + "): another backend or vector width gives other last bits");
 }
 
-void Replay::make_removed(std::span<const Index> cells) {
-  if (std::ranges::equal(cells, solver_.topology().removed)) return;
-  if (!on_removed_cells) {
+void Replay::make_body(const std::vector<Index>& removed, const BodyCuts& cuts) {
+  const TopologyTextures& body = solver_.topology();
+  if (removed == body.removed && equal_cuts(cuts, body.cuts)) return;
+  if (!on_body) {
     throw Error(
-        "the recording removes cells of the body; replay it with Simulation::replay, or set "
-        "Replay::on_removed_cells");
+        "the recording cuts the body, or removes cells of it; replay it with Simulation::replay, or set "
+        "Replay::on_body");
   }
-  on_removed_cells(cells);
+  on_body(removed, cuts);
 }
 
 void Replay::move_tool(const Input& input) {
@@ -135,7 +137,7 @@ void Replay::perform(const Input& input) {
     ByteReader in = reader(input);
     const Snapshot snapshot = take_snapshot(in);
     in.expect_end("the input");
-    make_removed(snapshot.removed_cells);
+    make_body(snapshot.removed_cells, snapshot.cuts);
     solver_.restore(snapshot);
   } else if (input.kind == input_kind::scene) {
     ByteReader in = reader(input);
@@ -145,7 +147,19 @@ void Replay::perform(const Input& input) {
     std::vector<Index> cells;
     in.field(cells, "removed cells");
     in.expect_end("the input");
-    make_removed(cells);
+    make_body(cells, solver_.topology().cuts);
+  } else if (input.kind == input_kind::cut) {
+    ByteReader in = reader(input);
+    const std::uint64_t stays = in.u64("a number of cuts that stay");
+    BodyCuts cuts = solver_.topology().cuts, further;
+    cuts_field(in, further);
+    in.expect_end("the input");
+    if (stays > cuts.size()) {
+      throw Error("expected at most " + std::to_string(cuts.size()) + " cuts that stay, got " + std::to_string(stays));
+    }
+    cuts.resize(stays);
+    cuts.insert(cuts.end(), further.begin(), further.end());
+    make_body(solver_.topology().removed, cuts);
   } else if (input.kind == input_kind::pose || input.kind == input_kind::grasp) {
     move_tool(input);
   } else if (input.kind == input_kind::checkpoint) {

@@ -12,7 +12,9 @@
 
 #include "base/decimal.h"
 #include "base/file_error.h"
+#include "body/cut_places.h"
 #include "elastic/dissipation.h"
+#include "model/cell_geometry.h"
 #include "simulation_parts.h"
 #include "solver/half_step.h"
 #include "warnings.h"
@@ -126,8 +128,10 @@ void Simulation::Parts::start_at_rest(const State& state, const std::vector<Tool
 }
 
 void Simulation::Parts::bring_back(const Snapshot& snapshot) {
-  if (snapshot.topology_hash != 0 && snapshot.topology_hash != fingerprint(*topology, snapshot.removed_cells)) return;
-  if (snapshot.topology_hash != 0) set_removed_cells(snapshot.removed_cells);
+  if (snapshot.topology_hash != 0) {
+    if (snapshot.topology_hash != fingerprint(*topology, snapshot.removed_cells, snapshot.cuts)) return;
+    set_body(snapshot.removed_cells, snapshot.cuts);
+  }
   if (!snapshot.scene) return;
   const auto& tools = snapshot.scene->tools;
   scene.bring_back(*snapshot.scene);
@@ -136,25 +140,45 @@ void Simulation::Parts::bring_back(const Snapshot& snapshot) {
   }
 }
 
-void Simulation::Parts::set_removed_cells(std::vector<Index> removed) {
-  if (removed == topology->removed) return;
+BodyEdit& Simulation::Parts::body_edit() {
+  // The solver first: it estimates its steps from the body as it was, whatever is done before its first step.
+  solver();
+  if (!edit) edit = std::make_unique<BodyEdit>(model, *topology);
+  return *edit;
+}
+
+/// Cuts are undone, and those that were undone made again, while no cell is removed.
+void Simulation::Parts::change_body(const std::vector<Index>& removed, const BodyCuts& cuts) {
   const auto without = [](const std::vector<Index>& a, const std::vector<Index>& b) {
     std::vector<Index> rest;
     std::ranges::set_difference(a, b, std::back_inserter(rest));
     return rest;
   };
-  if (!edit) edit = std::make_unique<BodyEdit>(model, *topology);
-  const std::vector<Index> before = topology->removed;
-  const auto change = [&](const std::vector<Index>& from, const std::vector<Index>& to) {
-    edit->set_shares(without(from, to), 1.0);
-    edit->set_shares(without(to, from), 0.0);
-    scene.body_changed();
+  const auto set_removed = [&](const std::vector<Index>& to) {
+    const std::vector<Index> from = topology->removed;
+    body_edit().set_shares(without(from, to), 1.0);
+    body_edit().set_shares(without(to, from), 0.0);
   };
-  change(before, removed);
+  const auto same = [](const auto& a, const auto& b) { return a == b || *a == *b; };
+  const auto stays = std::ranges::mismatch(topology->cuts, cuts, same);
+  const bool only_further = stays.in1 == topology->cuts.end() && removed == topology->removed;
+  if (!only_further && !equal_cuts(topology->cuts, cuts)) set_removed({});
+  const auto kept = static_cast<std::size_t>(stays.in2 - cuts.begin());
+  while (topology->cuts.size() > kept) body_edit().undo();
+  for (std::size_t k = kept; k < cuts.size(); ++k) body_edit().make(cuts[k]);
+  set_removed(removed);
+  scene.body_changed(topology->cuts);
+}
+
+void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCuts& cuts) {
+  if (removed == topology->removed && equal_cuts(cuts, topology->cuts)) return;
+  const std::vector<Index> removed_before = topology->removed;
+  const BodyCuts cuts_before = topology->cuts;
+  change_body(removed, cuts);
   try {
     solver().body_changed();
   } catch (...) {
-    change(removed, before);
+    change_body(removed_before, cuts_before);
     throw;
   }
 }
@@ -348,8 +372,27 @@ void Simulation::remove_cells(std::span<const Index> cells) {
   std::ranges::sort(removed);
   const auto again = std::ranges::unique(removed);
   removed.erase(again.begin(), again.end());
-  parts_->set_removed_cells(std::move(removed));
-  if (parts_->recorder) parts_->recorder->set_removed_cells(removed_cells());
+  parts_->set_body(removed, cuts());
+  if (parts_->recorder) parts_->recorder->body_changed();
+}
+
+bool Simulation::cut(const CutSurface& surface) {
+  std::vector<Index> cells;
+  for (Index row = 0; row < static_cast<Index>(model().cells.size()); ++row) {
+    if (is_solid(model().dimension, model().cells[row])) cells.push_back(row);
+  }
+  const CutPlaces places(model(), cells, surface, "Simulation::cut");
+  BodyCut found = parts_->body_edit().find_cut(places.cut());
+  if (found.empty()) return false;
+  BodyCuts all = cuts();
+  all.push_back(std::make_shared<const BodyCut>(std::move(found)));
+  parts_->set_body(removed_cells(), all);
+  if (parts_->recorder) parts_->recorder->body_changed();
+  return true;
+}
+
+const BodyCuts& Simulation::cuts() const {
+  return parts_->topology->cuts;
 }
 
 const std::vector<Index>& Simulation::removed_cells() const {
@@ -368,11 +411,9 @@ const Recording& Simulation::recording() const {
 
 void Simulation::replay(Recording recording) {
   parts_->recorder.reset();
-  parts_->set_removed_cells(recording.start.removed_cells);
+  parts_->set_body(recording.start.removed_cells, recording.start.cuts);
   Replay replay(std::move(recording), parts_->solver(), scene());
-  replay.on_removed_cells = [this](std::span<const Index> cells) {
-    parts_->set_removed_cells({cells.begin(), cells.end()});
-  };
+  replay.on_body = [this](const std::vector<Index>& removed, const BodyCuts& cuts) { parts_->set_body(removed, cuts); };
   replay.run();
 }
 

@@ -31,8 +31,11 @@ struct Simulation::Parts {
   bool is_at_start();  ///< no step was taken since start(), and the solver was given no other state
   /// Gives the scene the tools, joints and target poses of a snapshot, unless it is of another body.
   void bring_back(const Snapshot& snapshot);
-  void set_removed_cells(std::vector<Index> removed);  ///< ascending
-  void state_changed();                                ///< by something that the recorder does not see
+  BodyEdit& body_edit();  ///< made by the first call
+  /// `removed`: ascending. Where the solver refuses it, the body stays as it was.
+  void set_body(const std::vector<Index>& removed, const BodyCuts& cuts);
+  void change_body(const std::vector<Index>& removed, const BodyCuts& cuts);
+  void state_changed();  ///< by something that the recorder does not see
 
   StepReport step(int n, double dt);
   RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
@@ -42,7 +45,7 @@ struct Simulation::Parts {
   Model model;
   Scene scene;
   std::shared_ptr<TopologyTextures> topology;
-  std::unique_ptr<BodyEdit> edit;  ///< of model and topology; null before the first edit
+  std::unique_ptr<BodyEdit> edit;  ///< of model and topology, by body_edit()
   ScaledTables scaled;
 
   struct Start {

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/fnv.h"
+#include "cut_bytes.h"
 #include "joint_bytes.h"
 #include "tool_bytes.h"
 
@@ -16,7 +17,8 @@ namespace phymul {
 namespace {
 
 /// Parts in the bytes alone, so that files are read that were written before snapshots had them.
-constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells";
+constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
+                     *cuts_part = "cuts";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -108,7 +110,8 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   const bool moved = snapshot.growth != 0.0 || snapshot.max_speed != 0.0;
   with_scene = with_scene && snapshot.scene;
   const bool removed = !snapshot.removed_cells.empty();
-  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0) + (removed ? 1 : 0));
+  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0) + (removed ? 1 : 0) +
+          (snapshot.cuts.empty() ? 0 : 1));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
@@ -125,6 +128,12 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     cells.field(snapshot.removed_cells, "");
     out.text(removed_part);
     out.text(cells.bytes());
+  }
+  if (!snapshot.cuts.empty()) {
+    ByteWriter cuts;
+    cuts_field(cuts, snapshot.cuts);
+    out.text(cuts_part);
+    out.text(cuts.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -173,6 +182,11 @@ Snapshot take_snapshot(ByteReader& in) {
       if (std::ranges::adjacent_find(snapshot.removed_cells, std::greater_equal()) != snapshot.removed_cells.end()) {
         in.fail("expected rows of removed cells in increasing order; the file is damaged");
       }
+      continue;
+    }
+    if (part.name == cuts_part) {
+      cuts_field(bytes, snapshot.cuts);
+      bytes.expect_end("the cuts");
       continue;
     }
     if (part.name == motion_part) {

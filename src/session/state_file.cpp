@@ -34,7 +34,7 @@ std::size_t bytes_of(const Snapshot& snapshot) {
   }
   bytes += snapshot.tools.size() * sizeof(ToolMemory);  // Snapshot::scene is shared by all that have the same
   for (const JointReport& joint : snapshot.joints) bytes += sizeof joint + joint.springs.size() * sizeof(SpringReport);
-  bytes += snapshot.removed_cells.size() * sizeof(Index);
+  bytes += snapshot.removed_cells.size() * sizeof(Index) + snapshot.cuts.size() * sizeof(snapshot.cuts.front());
   for (const Snapshot::Part& part : snapshot.parts) bytes += sizeof part + part.name.size() + part.bytes.size();
   return bytes;
 }
@@ -99,8 +99,9 @@ void StateHistory::drop_after(double time) {
 }
 
 void StateHistory::follow(const Solver& solver, const StepReport& report) {
-  const bool same_body = states_.empty() || states_.back().topology_hash == solver.topology_hash() ||
-                         states_.back().topology_hash == fingerprint(solver.topology(), states_.back().removed_cells);
+  const bool same_body =
+      states_.empty() || states_.back().topology_hash == solver.topology_hash() ||
+      states_.back().topology_hash == fingerprint(solver.topology(), states_.back().removed_cells, states_.back().cuts);
   if (!same_body) {
     throw Error(
         "StateHistory::follow: expected a solver of the body whose states are kept, got one of another shape, "

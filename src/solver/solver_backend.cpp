@@ -85,6 +85,7 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
   // Cells alone make a body, without neighbours to take a spacing from.
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
   edits_seen_ = topology_->edited.size();
+  copies_seen_ = topology_->copied.size();
   largest_before_edits_ = own_spectrum_.largest / topology_->stiffened;
   scene_->prepare(frame_);
   joints_->follow(*scene_);
@@ -255,6 +256,7 @@ Snapshot SolverBackend::snapshot() const {
   snapshot.max_speed = speed_;
   snapshot.topology_hash = topology_hash();
   snapshot.removed_cells = topology_->removed;
+  snapshot.cuts = topology_->cuts;
   snapshot.backend = name_;
   if (!scene_->tools().empty() && !takes_tools()) return snapshot;
   snapshot.scene = std::make_shared<const SceneParts>(scene_->parts());
@@ -281,7 +283,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
     throw Error(
         "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
-        "particles, other options of the tables or other removed cells; the solver keeps its state. Restore it into a "
+        "particles, other options of the tables, other cuts or other removed cells; the solver keeps its state. Restore it into a "
         "solver over the same "
         "tables, or reset() to the snapshot's state where only positions are wanted");
   }

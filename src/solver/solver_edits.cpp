@@ -49,9 +49,26 @@ void SolverBackend::body_changed() {
   follow_joints();
   do_body_changed(std::span(topology_->edited).subspan(edits_seen_));
   do_scene_changed();
+  continue_copies(std::span(topology_->edited).subspan(edits_seen_));
+  copies_seen_ = topology_->copied.size();
   edits_seen_ = topology_->edited.size();
   scene_version_ = scene_->version();
   values_version_ = scene_->values_version();
+}
+
+/// Copies that cuts made move as what they copy. The domains, changed ones, have the strain that they have now.
+void SolverBackend::continue_copies(std::span<const Index> domains) {
+  const auto copied = std::span(topology_->copied).subspan(copies_seen_);
+  if (copied.empty() && topology_->dissipation.empty()) return;
+  Snapshot now = snapshot();
+  for (const auto& [copy, of] : copied) {
+    if (topology_->mass[copy] == 0.0) continue;  // the cut was undone
+    now.state.position[copy] = now.state.position[of];
+    now.state.velocity[copy] = now.state.velocity[of];
+    if (!now.displacement.empty()) now.displacement[copy] = now.displacement[of];
+  }
+  continue_strains(*topology_, domains, copied, now);
+  restore(now);
 }
 
 void SolverBackend::do_body_changed(std::span<const Index>) {

@@ -17,6 +17,7 @@
 #include "domain_links.h"
 #include "energies.h"
 #include "model/body_type.h"
+#include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
 #include "model/material.h"
 #include "model/point_cells.h"
@@ -278,6 +279,34 @@ VecList fibres_of(const Model& model, const Domains& domains) {
   return sum;
 }
 
+/// Spare particles (with_spare_particles) get a domain of every material, which has no links and is at rest until a cut
+/// uses it.
+void add_spare_domains(const Model& model, TopologyTextures& topology) {
+  const std::vector<Index> spare = spare_particles_of(model);
+  if (spare.empty()) return;
+  double volume = 0.0;  // m^3, of a domain
+  std::vector<DomainTexel> last(model.materials.size());
+  std::vector<DissipationTexel> dissipation(last.size());
+  for (std::size_t d = 0; d < topology.domains.size(); ++d) {
+    const DomainTexel& domain = topology.domains[d];
+    volume += 1.0 / domain.inverse_volume / static_cast<double>(topology.domains.size());
+    last[domain.material] = domain;
+    if (!topology.dissipation.empty()) dissipation[domain.material] = topology.dissipation[d];
+  }
+  for (const Index i : spare) {
+    for (std::size_t material = 0; material < last.size(); ++material) {
+      if (last[material].particle == none) continue;
+      topology.domains.push_back({.particle = i,
+                                  .material = last[material].material,
+                                  .energy = last[material].energy,
+                                  .inverse_volume = 1.0 / volume,
+                                  .spread_stiffness = last[material].spread_stiffness});
+      if (!topology.dissipation.empty()) topology.dissipation.push_back(dissipation[material]);
+    }
+    topology.first_domain[i + 1] = static_cast<Index>(topology.domains.size());
+  }
+}
+
 }  // namespace
 
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
@@ -329,6 +358,7 @@ void add_averaged_terms(const Model& model, TopologyTextures& topology) {
     add_links(domains, body.stiffness, topology);
   } else {
     add_links(domains, pair_stiffness(model, domains, spread), topology);
+    add_spare_domains(model, topology);
   }
 }
 

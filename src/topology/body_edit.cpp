@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 #include "domain_links.h"
@@ -19,6 +20,8 @@ namespace {
 /// By which the largest eigenvalue may have grown more than own blocks say: 1.37 where cells of blocks and organs were
 /// removed at random and in lumps, up to a third of them.
 constexpr double beyond_own_blocks = 1.5;
+/// The same of cuts: 1.62 at most of planes through small blocks.
+constexpr double beyond_own_blocks_of_cuts = 1.8;
 
 bool has_material(const Model& model, const Cell& cell) {
   return cell.material >= 0 && is_solid(model.dimension, cell.type);
@@ -38,27 +41,22 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
     throw Error(ErrorCode::not_supported,
                 "remove_cells: expected a body of cells with a material (set_material), got one without");
   }
-  std::vector<std::vector<Index>> rows(model.rest.size());
-  mass_of_corner_.assign(model.cells.size(), 0.0);
-  whole_share_.assign(model.cells.size(), 1.0);
+  cells_of_.resize(model.rest.size());
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
-    if (!has_material(model, model.cells[row])) continue;
-    ++cell_count_;
-    Cell whole = model.cells[row];
-    if (whole.share > 0.0) whole_share_[row] = whole.share;
-    whole.share = whole_share_[row];
-    mass_of_corner_[row] = model.materials[whole.material].density *
-                           signed_measure(model.dimension, whole, model.rest) /
-                           static_cast<double>(whole.particles.size());
-    for (const Index i : model.cells[row].particles) {
-      if (rows[i].empty() || rows[i].back() != row) rows[i].push_back(row);
-    }
+    at_start_.push_back(model.cells[row].share > 0.0);
+    whole_share_.push_back(at_start_.back() != 0 ? model.cells[row].share : 1.0);
+    mass_of_corner_.push_back(0.0);
+    take_cell(row);
   }
-  for (const auto& row : rows) cells_of_.push_row(row.begin(), row.end());
+  first_of_.resize(model.rest.size());
+  std::iota(first_of_.begin(), first_of_.end(), 0);
   mass_ = model.mass;
   lumped_.resize(mass_.size());
-  for (Index i = 0; i < model.particle_count(); ++i) lumped_[i] = lumped_mass(i);
+  for (Index i = 0; i < model.particle_count(); ++i) weigh_lumped(i);
   for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) modulus_.push_back(modulus_of(d));
+  spare_ = spare_particles_of(model);
+  std::ranges::reverse(spare_);
+  if (!spare_.empty()) spare_places_ = model.rest;
   rate_.assign(mass_.size(), 0.0);
   for (Index i = 0; i < model.particle_count(); ++i) find_rate(i);
   largest_rate_ = std::ranges::max(rate_);
@@ -66,6 +64,33 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   surface_room_.resize(room_.size());
   place_of_.assign(room_.size(), none);
   topology.built = fingerprint(topology);
+}
+
+/// Where its particles are now.
+void BodyEdit::take_cell(Index row) {
+  if (!has_material(model_, model_.cells[row])) return;
+  ++cell_count_;
+  Cell whole = model_.cells[row];
+  whole.share = whole_share_[row];
+  mass_of_corner_[row] = model_.materials[whole.material].density *
+                         signed_measure(model_.dimension, whole, model_.rest) /
+                         static_cast<double>(whole.particles.size());
+  for (const Index i : whole.particles) {
+    std::vector<Index>& rows = cells_of_[i];
+    const auto at = std::ranges::lower_bound(rows, row);
+    if (at == rows.end() || *at != row) rows.insert(at, row);
+  }
+}
+
+void BodyEdit::lift_cell(Index row) {
+  if (!has_material(model_, model_.cells[row])) return;
+  --cell_count_;
+  for (const Index i : model_.cells[row].particles) std::erase(cells_of_[i], row);
+}
+
+void BodyEdit::weigh_lumped(Index i) {
+  lumped_[i] = 0.0;
+  for (const Index row : cells_of_[i]) lumped_[i] += at_start_[row] != 0 ? mass_of_corner_[row] : 0.0;
 }
 
 void BodyEdit::require_cell(Index cell) const {
@@ -97,8 +122,6 @@ void BodyEdit::set_shares(std::span<const Index> cells, double share) {
   if (share == 0.0 && topology_.removed.size() + changed.size() == cell_count_) {
     throw Error("remove_cells: expected some cell of the body to be left, got all of them");
   }
-  sort_unique(particles);
-  sort_unique(domains);
   topology_.edited.reserve(topology_.edited.size() + domains.size());
   for (const Index row : changed) {
     model_.cells[row].share = share * whole_share_[row];
@@ -109,25 +132,138 @@ void BodyEdit::set_shares(std::span<const Index> cells, double share) {
       topology_.removed.erase(at);
     }
   }
+  follow(std::move(domains), std::move(particles));
+}
+
+/// Of a change of cells at these domains and particles: their rows, masses and rates.
+void BodyEdit::follow(std::vector<Index> domains, std::vector<Index> particles) {
+  sort_unique(domains);
   for (const Index d : domains) {
     integrate(d);
     write(d);
   }
-  for (const Index i : particles) weigh(i);
-  const std::size_t corners = particles.size();
+  // What their own blocks are made of has changed around them, too.
   for (const Index d : domains) {
     for (const LinkTexel& link : topology_.links_of(d)) {
       particles.push_back(topology_.domains[d + link.offset].particle);
     }
   }
-  std::ranges::sort(particles.begin() + static_cast<std::ptrdiff_t>(corners), particles.end());
-  for (std::size_t k = 0; k < particles.size(); ++k) {
-    if (k <= corners || particles[k] != particles[k - 1]) find_rate(particles[k]);
+  for (std::size_t k = 0, count = particles.size(); k < count; ++k) {
+    const auto family = copies_.find(first_of_[particles[k]]);
+    if (family != copies_.end()) particles.insert(particles.end(), family->second.begin(), family->second.end());
   }
+  sort_unique(particles);
+  for (const Index i : particles) {
+    const auto family = copies_.find(first_of_[i]);
+    if (family == copies_.end()) {
+      weigh(i);
+    } else if (i == family->first) {
+      weigh_family(family->second);
+    }
+  }
+  for (const Index i : particles) find_rate(i);
   const double growth = largest_rate_ > 0.0 ? std::ranges::max(rate_) / largest_rate_ : 1.0;
-  topology_.stiffened = topology_.removed.empty() ? 1.0 : beyond_own_blocks * std::max(1.0, growth);
+  const bool is_whole = topology_.removed.empty() && topology_.cuts.empty();
+  const double beyond = topology_.cuts.empty() ? beyond_own_blocks : beyond_own_blocks_of_cuts;
+  topology_.stiffened = is_whole ? 1.0 : beyond * std::max(1.0, growth);
   topology_.edited.insert(topology_.edited.end(), domains.begin(), domains.end());
   topology_.model.reset();
+}
+
+BodyCut BodyEdit::find_cut(const CutCells& cut) const {
+  const CutBody body{.model = model_,
+                     .cells_of = cells_of_,
+                     .mass = mass_,
+                     .mass_of_corner = [&](Index row) { return mass_of_corner_[row]; },
+                     .spare = [&](std::size_t k) { return k < spare_.size() ? spare_[spare_.size() - 1 - k] : none; }};
+  BodyCut found = cut_cells(body, cut);
+  if (found.copies.size() > spare_.size()) {
+    throw Error(ErrorCode::not_supported,
+                std::string(cut.who) + ": the cut needs copies of " + std::to_string(found.copies.size()) +
+                    " particles, and the body has " + std::to_string(spare_.size()) +
+                    " spare ones left; make more with with_spare_particles(), about 2.3 for each square spacing of cut "
+                    "surface");
+  }
+  return found;
+}
+
+void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
+  for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
+  make_cut(*cut, model_);
+  for (const BodyCut::Change& change : cut->changed) {
+    whole_share_[change.row] = change.after.share;
+    take_cell(change.row);
+  }
+  auto row = static_cast<Index>(whole_share_.size());
+  for (const BodyCut::Added& added : cut->added) {
+    whole_share_.push_back(added.part.share);
+    mass_of_corner_.push_back(0.0);
+    at_start_.push_back(at_start_[added.of]);
+    take_cell(row++);
+  }
+  for (const BodyCut::Copy& copy : cut->copies) {
+    spare_.pop_back();
+    topology_.rest[copy.particle] = model_.rest[copy.particle];
+    topology_.stiffness[copy.particle] = model_.stiffness[copy.particle];
+    topology_.copied.push_back({copy.particle, copy.of});
+    const Index first = first_of_[copy.particle] = first_of_[copy.of];
+    std::vector<Index>& family = copies_[first];
+    if (family.empty()) family.push_back(first);
+    family.push_back(copy.particle);
+    for (Index d = topology_.first_domain[copy.of]; d < topology_.first_domain[copy.of + 1]; ++d) {
+      const Index own = domain_of(copy.particle, topology_.domains[d].material);
+      topology_.domains[own].energy = topology_.domains[d].energy;
+      topology_.domains[own].spread_stiffness = topology_.domains[d].spread_stiffness;
+      modulus_[own] = modulus_[d];
+    }
+  }
+  for (const BodyCut::Mass& mass : cut->masses) mass_[mass.particle] = mass.after;
+  topology_.cuts.push_back(cut);
+  follow_cut(*cut);
+}
+
+void BodyEdit::undo() {
+  const std::shared_ptr<const BodyCut> cut = topology_.cuts.back();
+  for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
+  const std::size_t rows = model_.cells.size() - cut->added.size();
+  for (std::size_t row = rows; row < model_.cells.size(); ++row) lift_cell(static_cast<Index>(row));
+  undo_cut(*cut, model_);
+  whole_share_.resize(rows);
+  mass_of_corner_.resize(rows);
+  at_start_.resize(rows);
+  for (const BodyCut::Change& change : cut->changed) {
+    whole_share_[change.row] = change.before.share;
+    take_cell(change.row);
+  }
+  for (auto copy = cut->copies.rbegin(); copy != cut->copies.rend(); ++copy) {
+    spare_.push_back(copy->particle);
+    const auto family = copies_.find(first_of_[copy->particle]);
+    std::erase(family->second, copy->particle);
+    if (family->second.size() == 1) copies_.erase(family);
+    first_of_[copy->particle] = copy->particle;
+    topology_.rest[copy->particle] = model_.rest[copy->particle] = spare_places_[copy->particle];
+    topology_.stiffness[copy->particle] = model_.stiffness[copy->particle];
+  }
+  for (const BodyCut::Mass& mass : cut->masses) mass_[mass.particle] = mass.before;
+  topology_.cuts.pop_back();
+  follow_cut(*cut);
+}
+
+void BodyEdit::follow_cut(const BodyCut& cut) {
+  std::vector<Index> domains, particles;
+  const auto add = [&](const BodyCut::Part& part, Index material) {
+    for (const Index i : part.particles) {
+      particles.push_back(i);
+      domains.push_back(domain_of(i, material));
+    }
+  };
+  for (const BodyCut::Change& change : cut.changed) {
+    add(change.before, model_.cells[change.row].material);
+    add(change.after, model_.cells[change.row].material);
+  }
+  for (const BodyCut::Added& added : cut.added) add(added.part, model_.cells[added.of].material);
+  for (const Index i : particles) weigh_lumped(i);
+  follow(std::move(domains), std::move(particles));
 }
 
 Index BodyEdit::domain_of(Index particle, Index material) const {
@@ -139,9 +275,8 @@ Index BodyEdit::domain_of(Index particle, Index material) const {
 /// kg, of a particle: density times its share of the volume of its cells.
 double BodyEdit::lumped_mass(Index particle) const {
   double sum = 0.0;
-  for (const Index* row = cells_of_.begin(particle); row != cells_of_.end(particle); ++row) {
-    const Cell& cell = model_.cells[*row];
-    if (cell.share > 0.0) sum += mass_of_corner_[*row];
+  for (const Index row : cells_of_[particle]) {
+    if (model_.cells[row].share > 0.0) sum += mass_of_corner_[row];
   }
   return sum;
 }
@@ -182,10 +317,10 @@ void BodyEdit::integrate(Index d) {
   const DomainTexel& domain = topology_.domains[d];
   pairs_.clear();
   volume_ = 0.0;
-  for (const Index* row = cells_of_.begin(domain.particle); row != cells_of_.end(domain.particle); ++row) {
-    const Cell& cell = model_.cells[*row];
+  for (const Index row : cells_of_[domain.particle]) {
+    const Cell& cell = model_.cells[row];
     if (cell.share == 0.0 || cell.material != domain.material) continue;
-    cell_points(model_, *row, points_);
+    cell_points(model_, row, points_);
     const std::size_t vertices = cell.particles.size();
     std::array<Index, 8> domains{};
     for (std::size_t v = 0; v < vertices; ++v) domains[v] = domain_of(cell.particles[v], cell.material);
@@ -259,8 +394,8 @@ void BodyEdit::write_rows(const std::vector<Link>& rows, std::vector<Link>& tabl
 void BodyEdit::turn_fibres(Index d) {
   const DomainTexel& domain = topology_.domains[d];
   Vec3 sum = Vec3::Zero();
-  for (const Index* row = cells_of_.begin(domain.particle); row != cells_of_.end(domain.particle); ++row) {
-    const Cell& cell = model_.cells[*row];
+  for (const Index row : cells_of_[domain.particle]) {
+    const Cell& cell = model_.cells[row];
     if (cell.share == 0.0 || cell.material != domain.material) continue;
     if (!(model_.materials[cell.material].fibre_ratio > 1.0)) return;
     const Vec3 along = std::abs(signed_measure(model_.dimension, cell, model_.rest)) * cell.fibre.normalized();
@@ -280,6 +415,29 @@ void BodyEdit::weigh(Index i) {
     mass = std::clamp(own_stiffness(i) / largest_rate_, mass, std::max(mass, mass_[i]));
   }
   model_.mass[i] = topology_.mass[i] = mass;
+}
+
+/// A particle and its copies, which are at one place: what a light one needs so as not to vibrate faster than all of
+/// the body did comes from the others, as far as they can spare it.
+void BodyEdit::weigh_family(const std::vector<Index>& family) {
+  std::vector<double> mass, needed;  // kg
+  double total = 0.0, all_needed = 0.0, lacking = 0.0, to_spare = 0.0;
+  for (const Index i : family) {
+    mass.push_back(lumped_[i] > 0.0 ? lumped_mass(i) / lumped_[i] * mass_[i] : 0.0);
+    needed.push_back(largest_rate_ > 0.0 ? own_stiffness(i) / largest_rate_ : 0.0);
+    total += mass.back();
+    all_needed += needed.back();
+    (needed.back() > mass.back() ? lacking : to_spare) += std::abs(needed.back() - mass.back());
+  }
+  for (std::size_t k = 0; k < family.size(); ++k) {
+    const double more = needed[k] - mass[k];
+    if (lacking > to_spare) {
+      mass[k] = total * needed[k] / all_needed;
+    } else if (lacking > 0.0) {
+      mass[k] += more > 0.0 ? more : lacking / to_spare * more;
+    }
+    model_.mass[family[k]] = topology_.mass[family[k]] = mass[k];
+  }
 }
 
 void BodyEdit::find_rate(Index i) {

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// Changes of a body that is there: cells are removed and brought back, in the model and in its tables at once, at a
-// cost that follows the change and not the body. Afterwards the tables are those that build_topology() makes of the
-// model with the same stabiliser, but for the order of their rows and for rounding.
+// Changes of a body that is there: cells are removed, brought back and cut, in the model and in its tables at once, at
+// a cost that follows the change and not the body. Afterwards the tables are those that build_topology() makes of the
+// model with the same stabiliser, but for the order of their rows and for rounding. They depend on the cells that are
+// removed and on the cuts, not on the order of edits.
 #pragma once
 
 #include <phymul/topology_textures.h>
 
+#include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "cell_quadrature.h"
+#include "model/cell_cutter.h"
 
 namespace phymul {
 
@@ -26,6 +30,16 @@ class BodyEdit {
   /// cell it is 0. Throws Error, and changes nothing, for a row that is no cell with a material.
   void set_shares(std::span<const Index> cells, double share);
 
+  /// What such a cut would change; nothing is changed yet. Throws Error as cut_cells() does, and (not_supported) where
+  /// it needs more copies than the body has spare particles.
+  BodyCut find_cut(const CutCells& cut) const;
+  /// Makes a cut, or undoes the last one of TopologyTextures::cuts. No cell that it changes may be removed.
+  void make(std::shared_ptr<const BodyCut> cut);
+  void undo();
+
+  std::size_t spare_particles() const { return spare_.size(); }
+  const std::vector<std::vector<Index>>& cells_of() const { return cells_of_; }
+
  private:
   /// Of a domain d, by domains e: C_de, C_ed, m^2, and the stiffness of the link, N/m.
   struct Pair {
@@ -38,6 +52,11 @@ class BodyEdit {
   };
 
   void require_cell(Index cell) const;
+  void take_cell(Index row);
+  void lift_cell(Index row);
+  void weigh_lumped(Index particle);
+  void follow_cut(const BodyCut& cut);
+  void follow(std::vector<Index> domains, std::vector<Index> particles);
   Index domain_of(Index particle, Index material) const;
   double lumped_mass(Index particle) const;
   double modulus_of(Index domain) const;
@@ -48,24 +67,30 @@ class BodyEdit {
   void write_rows(const std::vector<Link>& rows, std::vector<Link>& table, Room& room, Index& first, Index& count);
   void turn_fibres(Index domain);
   void weigh(Index particle);
+  void weigh_family(const std::vector<Index>& family);
   void find_rate(Index particle);
 
   Model& model_;
   TopologyTextures& topology_;
-  std::size_t cell_count_ = 0;             // with a material
-  RaggedList cells_of_;                    // by particle: rows of its cells with a material, ascending
-  std::vector<double> whole_share_;        // [cells] while they are not removed
-  std::vector<double> mass_of_corner_;     // [cells] kg, of each particle's share of one
-  std::vector<double> mass_, lumped_;      // [N] kg, at the beginning: of the model, and of its cells
-  std::vector<double> modulus_;            // [D] Pa
-  std::vector<double> rate_;               // [N] 1/s^2, own_stiffness() over the mass
-  double largest_rate_ = 0.0;              // of these, at the beginning
-  std::vector<Room> room_, surface_room_;  // [D]
-  std::vector<CellPoint> points_;          // of the cell at hand
-  std::vector<double> s_mu_;               // [points_] N m, stabiliser times shear modulus times volume
-  std::vector<Pair> pairs_;                // of the domain at hand
-  double volume_ = 0.0;                    // m^3, its
-  std::vector<Index> place_of_;            // [D] in pairs_, none
+  std::size_t cell_count_ = 0;                // with a material
+  std::vector<std::vector<Index>> cells_of_;  // by particle: rows of its cells with a material, ascending
+  std::vector<double> whole_share_;           // [cells] while they are not removed
+  std::vector<double> mass_of_corner_;        // [cells] kg, of each particle's share of one
+  std::vector<char> at_start_;                // [cells] it, or what it was cut from, was not removed at the beginning
+  std::vector<double> mass_, lumped_;  // [N] kg, of the model and of its cells while they are as at the beginning
+  std::vector<Index> spare_;           // particles that no cell has, the next one last
+  std::vector<Index> first_of_;        // [N] the particle that it is a copy of, and so on; itself
+  std::map<Index, std::vector<Index>> copies_;  // of those that have some: itself and they
+  VecList spare_places_;                        // [N] m, or empty: at rest, of those
+  std::vector<double> modulus_;                 // [D] Pa
+  std::vector<double> rate_;                    // [N] 1/s^2, own_stiffness() over the mass
+  double largest_rate_ = 0.0;                   // of these, at the beginning
+  std::vector<Room> room_, surface_room_;       // [D]
+  std::vector<CellPoint> points_;               // of the cell at hand
+  std::vector<double> s_mu_;                    // [points_] N m, stabiliser times shear modulus times volume
+  std::vector<Pair> pairs_;                     // of the domain at hand
+  double volume_ = 0.0;                         // m^3, its
+  std::vector<Index> place_of_;                 // [D] in pairs_, none
   std::vector<LinkTexel> links_;
   std::vector<SurfaceLinkTexel> surface_links_;
 };

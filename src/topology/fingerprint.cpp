@@ -50,11 +50,16 @@ void add_averaged(Fnv& sum, const TopologyTextures& t) {
   }
 }
 
+void add_part(Fnv& sum, Index row, const BodyCut::Part& part) {
+  sum.add(row, part.particles, part.share, std::uint64_t{part.cuts.size()});
+  for (const CellCut& cut : part.cuts) sum.add(cut);
+}
+
 }  // namespace
 
 std::uint64_t fingerprint(const TopologyTextures& t) {
   Fnv sum;
-  if (t.built) return fingerprint(t, t.removed);
+  if (t.built) return fingerprint(t, t.removed, t.cuts);
   add_options(sum, t.options);
   sum.add(t.dimension, t.particle_count, t.rest, t.mass, t.stiffness);
   // Padding depends on the widest texture allowed, which moves nothing.
@@ -67,11 +72,20 @@ std::uint64_t fingerprint(const TopologyTextures& t) {
   return sum.value();
 }
 
-std::uint64_t fingerprint(const TopologyTextures& t, std::span<const Index> removed) {
+std::uint64_t fingerprint(const TopologyTextures& t, std::span<const Index> removed, const BodyCuts& cuts) {
   const std::uint64_t built = t.built ? *t.built : fingerprint(t);
-  if (removed.empty()) return built;
+  if (removed.empty() && cuts.empty()) return built;
   Fnv sum;
   sum.add(built, std::vector<Index>(removed.begin(), removed.end()));
+  for (const auto& cut : cuts) {
+    for (const BodyCut::Change& change : cut->changed) {
+      add_part(sum, change.row, change.before);
+      add_part(sum, change.row, change.after);
+    }
+    for (const BodyCut::Added& added : cut->added) add_part(sum, added.of, added.part);
+    for (const BodyCut::Copy& copy : cut->copies) sum.add(copy.particle, copy.of, copy.shared);
+    for (const BodyCut::Mass& mass : cut->masses) sum.add(mass.particle, mass.before, mass.after);
+  }
   return sum.value();
 }
 

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: MIT
+#include "cell_cutter.h"
+
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "base/union_find.h"
+#include "cell_geometry.h"
+#include "cut_cells.h"
+
+namespace phymul {
+namespace {
+
+/// Of a particle's mass that a copy has at least, taken from the heaviest one.
+constexpr double least_mass = 0.02;
+/// Of a part's share: less than this, or more than all but this, is none and all.
+constexpr double no_share = 1e-9;
+constexpr std::size_t most_cuts = 3;  // through a cell
+
+BodyCut::Part part_of(const Cell& cell) {
+  BodyCut::Part part{{}, cell.share, cell.cuts};
+  std::ranges::copy(cell.particles, part.particles.begin());
+  return part;
+}
+
+/// Whether it divides the cell, and does not only lie on one of its faces.
+bool divides(const CellCut& cut) {
+  return std::ranges::count(cut, 0.0) < 3;
+}
+
+class CellCutter {
+ public:
+  CellCutter(const CutBody& body, const CutCells& cut) : body_(body), cut_(cut) {}
+
+  BodyCut run() {
+    for (const Index row : cut_.cells) consider(row);
+    std::vector<Index> corners;
+    for (const Piece& piece : pieces_) corners.insert(corners.end(), piece.before.begin(), piece.before.end());
+    std::ranges::sort(corners);
+    const auto again = std::ranges::unique(corners);
+    corners.erase(again.begin(), again.end());
+    for (const Index i : corners) copy_particle(i);
+    for (Piece& piece : pieces_) {
+      if (piece.is_added) {
+        result_.added.push_back({piece.row, std::move(piece.now)});
+        continue;
+      }
+      BodyCut::Part before = part_of(body_.model.cells[piece.row]);
+      if (piece.now != before) result_.changed.push_back({piece.row, std::move(before), std::move(piece.now)});
+    }
+    std::ranges::sort(result_.changed, {}, &BodyCut::Change::row);
+    return std::move(result_);
+  }
+
+ private:
+  /// A cell, or one of the two parts of one.
+  struct Piece {
+    Index row = -1;
+    bool is_added = false;  // the second part
+    std::array<Index, 4> before{};
+    BodyCut::Part now{};
+    double corner_mass = 0.0;  // kg
+  };
+  struct Face {
+    std::array<Index, 2> others;  // particles besides the one at hand, ascending
+    std::size_t piece;
+  };
+
+  void require_tetrahedron(Index row) const {
+    if (body_.model.cells[row].type == CellType::tetrahedron) return;
+    throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": expected a body of tetrahedra; " +
+                                              cell_label(body_.model, static_cast<std::size_t>(row)) + " is none");
+  }
+
+  void add_piece(Index row, bool is_added, BodyCut::Part now) {
+    const Cell& cell = body_.model.cells[row];
+    require_tetrahedron(row);
+    Piece& piece = pieces_.emplace_back();
+    piece.row = row;
+    piece.is_added = is_added;
+    std::ranges::copy(cell.particles, piece.before.begin());
+    piece.corner_mass = body_.mass_of_corner(row) * now.share / cell.share;
+    piece.now = std::move(now);
+    if (!is_added) piece_of_[row] = pieces_.size() - 1;
+  }
+
+  /// A cell that the surface crosses behind the front is parted; one that lies on it with a face keeps that in mind.
+  void consider(Index row) {
+    require_tetrahedron(row);
+    const Cell& cell = body_.model.cells[row];
+    CellCut cut{};
+    int above = 0, below = 0, points = 0;
+    Eigen::Vector4d middle = Eigen::Vector4d::Zero();  // of the section
+    for (std::size_t a = 0; a < 4; ++a) {
+      cut[a] = cut_.distance(cell.particles[a]);
+      if (!std::isfinite(cut[a])) throw Error(std::string(cut_.who) + ": expected finite distances to the surface");
+      above += cut[a] > 0.0 ? 1 : 0;
+      below += cut[a] < 0.0 ? 1 : 0;
+    }
+    const bool crosses = above > 0 && below > 0, lies_on = above + below == 1;
+    if (!crosses && !lies_on) return;
+    for (Eigen::Index a = 0; a < 4; ++a) {
+      const double at_a = cut[static_cast<std::size_t>(a)];
+      if (at_a == 0.0) {
+        middle[a] += 1.0;
+        ++points;
+      }
+      for (Eigen::Index b = 0; b < a; ++b) {
+        const double at_b = cut[static_cast<std::size_t>(b)];
+        if (at_a * at_b >= 0.0) continue;
+        const double t = at_a / (at_a - at_b);
+        middle[a] += 1.0 - t;
+        middle[b] += t;
+        ++points;
+      }
+    }
+    if (!cut_.passed(row, middle / points)) return;
+    BodyCut::Part first = part_of(cell);
+    const CellCut other_way{-cut[0], -cut[1], -cut[2], -cut[3]};
+    const CellCut& own_way = lies_on && below > 0 ? other_way : cut;
+    if (std::ranges::find(first.cuts, own_way) != first.cuts.end()) return;
+    // What earlier cuts left of it may lie on one side.
+    const double whole = tissue_share(first.cuts);
+    first.cuts.push_back(own_way);
+    if (lies_on) {
+      add_piece(row, false, std::move(first));
+      return;
+    }
+    const double share = tissue_share(first.cuts) / whole;
+    if (share < no_share || share > 1.0 - no_share) return;
+    if (std::ranges::count_if(first.cuts, divides) > static_cast<std::ptrdiff_t>(most_cuts)) {
+      throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": " +
+                                                cell_label(body_.model, static_cast<std::size_t>(row)) +
+                                                " would be cut a fourth time; expected at most three cuts through one");
+    }
+    BodyCut::Part second = first;
+    second.cuts.back() = other_way;
+    first.share *= share;
+    second.share *= 1.0 - share;
+    add_piece(row, false, std::move(first));
+    add_piece(row, true, std::move(second));
+  }
+
+  /// Pieces around the particle, and their faces at it.
+  void look_around(Index particle) {
+    around_.clear();
+    faces_.clear();
+    for (const Index row : body_.cells_of[particle]) {
+      if (body_.model.cells[row].share == 0.0) continue;
+      if (!piece_of_.contains(row)) add_piece(row, false, part_of(body_.model.cells[row]));
+      const std::size_t first = piece_of_.at(row);
+      around_.push_back(first);
+      const bool parted = first + 1 < pieces_.size() && pieces_[first + 1].is_added;
+      if (parted) around_.push_back(first + 1);
+    }
+    for (std::size_t k = 0; k < around_.size(); ++k) {
+      std::array<Index, 3> others{};
+      std::size_t count = 0;
+      for (const Index i : pieces_[around_[k]].before) {
+        if (i != particle) others[count++] = i;
+      }
+      std::ranges::sort(others);
+      faces_.push_back({{others[0], others[1]}, k});
+      faces_.push_back({{others[0], others[2]}, k});
+      faces_.push_back({{others[1], others[2]}, k});
+    }
+    std::ranges::sort(faces_, {}, [](const Face& face) { return std::pair(face.others, face.piece); });
+  }
+
+  /// Whether two pieces of different cells are one body across the face that these have in common.
+  bool meet(const Piece& a, const Piece& b, const std::array<Index, 3>& face) {
+    if (a.now.cuts.empty() && b.now.cuts.empty()) return true;
+    cuts_of_face_.clear();
+    add_cuts_of_face(a.before, a.now.cuts, face, cuts_of_face_);
+    add_cuts_of_face(b.before, b.now.cuts, face, cuts_of_face_);
+    const auto vanishes = [](const FaceCut& cut) { return cut[0] == 0.0 && cut[1] == 0.0 && cut[2] == 0.0; };
+    const auto of_b = cuts_of_face_.begin() + static_cast<std::ptrdiff_t>(a.now.cuts.size());
+    // The cells lie on both sides of their face, and so of a cut along it.
+    if (std::any_of(cuts_of_face_.begin(), of_b, vanishes) && std::any_of(of_b, cuts_of_face_.end(), vanishes)) {
+      return false;
+    }
+    return has_tissue(cuts_of_face_);
+  }
+
+  /// One copy of a particle for each group of pieces around it; the group that it lies in keeps it.
+  void copy_particle(Index particle) {
+    look_around(particle);
+    UnionFind groups(around_.size());
+    for (std::size_t a = 0; a < faces_.size(); ++a) {
+      for (std::size_t b = a + 1; b < faces_.size() && faces_[b].others == faces_[a].others; ++b) {
+        const auto i = static_cast<Index>(faces_[a].piece), j = static_cast<Index>(faces_[b].piece);
+        const Piece &piece = pieces_[around_[i]], &other = pieces_[around_[j]];
+        if (piece.row == other.row || groups.root(i) == groups.root(j)) continue;
+        if (meet(piece, other, {particle, faces_[a].others[0], faces_[a].others[1]})) groups.join(i, j);
+      }
+    }
+    struct Group {
+      Index root;
+      double mass = 0.0;  // kg, of its pieces
+      bool own = false;   // the particle lies in it
+    };
+    std::vector<Group> found;
+    for (std::size_t k = 0; k < around_.size(); ++k) {
+      const Index root = groups.root(static_cast<Index>(k));
+      auto group = std::ranges::find(found, root, &Group::root);
+      if (group == found.end()) group = found.insert(group, {root});
+      const Piece& piece = pieces_[around_[k]];
+      const std::size_t corner = corner_of(piece, particle);
+      group->mass += piece.corner_mass;
+      group->own =
+          group->own || std::ranges::all_of(piece.now.cuts, [&](const CellCut& cut) { return cut[corner] > 0.0; });
+    }
+    if (found.size() < 2) return;
+    std::ranges::stable_sort(found, std::greater(),
+                             [](const Group& group) { return std::pair(group.own, group.mass); });
+    const double mass = body_.mass[particle];
+    double whole = 0.0, sum = 0.0;
+    for (const Group& group : found) whole += group.mass;
+    const auto first_mass = static_cast<std::ptrdiff_t>(result_.masses.size());
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      const Index copy = k == 0 ? particle : body_.spare(result_.copies.size());
+      result_.masses.push_back({copy, k == 0 ? mass : 0.0, mass * std::max(found[k].mass / whole, least_mass)});
+      sum += result_.masses.back().after;
+      if (k == 0) continue;
+      result_.copies.push_back({copy, particle, cut_.distance(particle) == 0.0});
+      for (std::size_t p = 0; p < around_.size(); ++p) {
+        if (groups.root(static_cast<Index>(p)) != found[k].root) continue;
+        Piece& piece = pieces_[around_[p]];
+        piece.now.particles[corner_of(piece, particle)] = copy;
+      }
+    }
+    const auto heaviest =
+        std::max_element(result_.masses.begin() + first_mass, result_.masses.end(),
+                         [](const BodyCut::Mass& a, const BodyCut::Mass& b) { return a.after < b.after; });
+    heaviest->after += mass - sum;
+  }
+
+  static std::size_t corner_of(const Piece& piece, Index particle) {
+    return static_cast<std::size_t>(std::ranges::find(piece.before, particle) - piece.before.begin());
+  }
+
+  const CutBody& body_;
+  const CutCells& cut_;
+  BodyCut result_;
+  std::vector<Piece> pieces_;                        // a second part follows its first
+  std::unordered_map<Index, std::size_t> piece_of_;  // by row: of pieces_, the first part
+  // Of the particle at hand:
+  std::vector<std::size_t> around_;  // pieces
+  std::vector<Face> faces_;          // by their particles; `piece`: of around_
+  std::vector<FaceCut> cuts_of_face_;
+};
+
+void set(const BodyCut::Part& part, Cell& cell) {
+  std::ranges::copy(part.particles, cell.particles.begin());
+  cell.share = part.share;
+  cell.cuts = part.cuts;
+}
+
+}  // namespace
+
+std::vector<Index> spare_particles_of(const Model& model) {
+  Index last = -1;  // that a cell has
+  for (const Cell& cell : model.cells) {
+    for (const Index i : cell.particles) last = std::max(last, i);
+  }
+  std::vector<Index> spare;
+  for (Index i = last + 1; last >= 0 && i < model.particle_count(); ++i) {
+    const bool joined = i >= model.neighbours.rows() || model.neighbours.size(i) != 0;
+    if (model.mass[i] == 0.0 && !joined) spare.push_back(i);
+  }
+  return spare;
+}
+
+BodyCut cut_cells(const CutBody& body, const CutCells& cut) {
+  return CellCutter(body, cut).run();
+}
+
+void make_cut(const BodyCut& cut, Model& model) {
+  for (const BodyCut::Change& change : cut.changed) set(change.after, model.cells[change.row]);
+  for (const BodyCut::Added& added : cut.added) {
+    Cell cell = model.cells[added.of];
+    set(added.part, cell);
+    model.cells.push_back(std::move(cell));
+  }
+  for (const BodyCut::Copy& copy : cut.copies) {
+    model.rest[copy.particle] = model.rest[copy.of];
+    model.stiffness[copy.particle] = model.stiffness[copy.of];
+  }
+  if (model.components.empty()) return;
+  std::unordered_map<Index, Index> cell_for;  // row of the other part
+  std::unordered_map<Index, std::vector<Index>> copies_of;
+  auto row = static_cast<Index>(model.cells.size() - cut.added.size());
+  for (const BodyCut::Added& added : cut.added) cell_for[added.of] = row++;
+  for (const BodyCut::Copy& copy : cut.copies) {
+    if (copy.shared) copies_of[copy.of].push_back(copy.particle);
+  }
+  for (Component& component : model.components) {
+    std::vector<Index> cells, particles;
+    for (const std::vector<Index>* rows : {&component.cells, &component.cell_refs}) {
+      for (const Index of : *rows) {
+        if (const auto found = cell_for.find(of); found != cell_for.end()) cells.push_back(found->second);
+      }
+    }
+    for (const Index of : component.particles) {
+      if (const auto found = copies_of.find(of); found != copies_of.end()) {
+        particles.insert(particles.end(), found->second.begin(), found->second.end());
+      }
+    }
+    component.cell_refs.insert(component.cell_refs.end(), cells.begin(), cells.end());
+    component.particles.insert(component.particles.end(), particles.begin(), particles.end());
+  }
+}
+
+void undo_cut(const BodyCut& cut, Model& model) {
+  for (const BodyCut::Change& change : cut.changed) set(change.before, model.cells[change.row]);
+  for (const BodyCut::Copy& copy : cut.copies) model.stiffness[copy.particle] = 0.0;
+  model.cells.resize(model.cells.size() - cut.added.size());
+  const auto cells = static_cast<Index>(model.cells.size());
+  for (Component& component : model.components) {
+    while (!component.cell_refs.empty() && component.cell_refs.back() >= cells) component.cell_refs.pop_back();
+    while (!component.particles.empty() &&
+           std::ranges::find(cut.copies, component.particles.back(), &BodyCut::Copy::particle) != cut.copies.end()) {
+      component.particles.pop_back();
+    }
+  }
+}
+
+}  // namespace phymul
