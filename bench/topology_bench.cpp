@@ -5,6 +5,8 @@
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
+#include <algorithm>
+#include <chrono>
 #include <random>
 #include <vector>
 
@@ -80,12 +82,56 @@ void remove_cells(benchmark::State& run) {
   run.counters["cells"] = count;
 }
 
+/// Ticks of 1 ms in which an edge of 15 mm goes at 5 cm/s through 2,744 particles, on "cpu"; toughness in J/m^2.
+void blade_ticks(benchmark::State& run) {
+  using Clock = std::chrono::steady_clock;
+  phymul::SimulationOptions options;
+  options.backend = "cpu";
+  options.solver.threads = 1;
+  options.damping.rate = 20.0;
+  phymul::Simulation sim(with_spare_particles(tetrahedral_block(14), 300), options);
+  sim.scene().fix("z0");
+  phymul::Mat3 axes;
+  axes << 0, 0, 1, 0, -1, 0, 1, 0, 0;
+  const phymul::ToolPose first{.position = {0.066, 0.034, 0.06},
+                               .orientation = phymul::Quaternion(Eigen::Quaterniond(axes))};
+  const auto blade = sim.scene().add_tool(
+      "blade", {.shape = phymul::Blade{.width = 0.015, .toughness = static_cast<double>(run.range(0))}, .pose = first});
+  sim.advance(1e-3);
+  const phymul::Snapshot whole = sim.snapshot();
+  std::vector<double> cutting, plain;  // ms
+  phymul::ToolPose pose = first;
+  for (auto _ : run) {
+    pose.position.x() -= 0.05e-3;
+    blade.move_to(pose);
+    const std::size_t cuts = sim.cuts().size();
+    const auto start = Clock::now();
+    sim.advance(1e-3);
+    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    (sim.cuts().size() > cuts ? cutting : plain).push_back(ms);
+    if (pose.position.x() > 0.005) continue;
+    run.PauseTiming();
+    sim.restore(whole);
+    pose = first;
+    run.ResumeTiming();
+  }
+  const auto median = [](std::vector<double>& of) {
+    if (of.empty()) return 0.0;
+    std::ranges::nth_element(of, of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2));
+    return of[of.size() / 2];
+  };
+  run.counters["cutting_ms"] = median(cutting);
+  run.counters["plain_ms"] = median(plain);
+  run.counters["worst_ms"] = cutting.empty() ? 0.0 : std::ranges::max(cutting);
+}
+
 void sizes(benchmark::internal::Benchmark* bench) {
   bench->ArgName("particles_a_side")->Arg(5)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
 BENCHMARK(topology_thresholded)->Apply(sizes);
 BENCHMARK(topology_material)->Apply(sizes);
+BENCHMARK(blade_ticks)->ArgName("toughness")->Arg(0)->Arg(20)->Unit(benchmark::kMillisecond);
 BENCHMARK(remove_cells)->ArgName("lump")->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond);
 
 }  // namespace

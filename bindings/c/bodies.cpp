@@ -265,6 +265,10 @@ phymul_status phymul_body_cut(const phymul_body* body, const double point[3], co
   });
 }
 
+phymul_status phymul_body_with_spare_particles(const phymul_body* body, int32_t count, phymul_body** made) {
+  return make(made, [&] { return with_spare_particles(need(body, "a body").model, count); });
+}
+
 phymul_status phymul_fit_material(const phymul_material* start, const int32_t* tests, const double* strains,
                                   const double* stresses, int32_t count, int32_t terms, int32_t goal,
                                   phymul_material* fitted, double* error, double* fitted_stresses) {

@@ -229,6 +229,9 @@ static const char* read_state(phymul_simulation* sim, struct c_results* out) {
   const double middle[3] = {0, 0, 0}, across[3] = {1, 0, 0};
   phymul_body* cut = NULL;
   HOLDS(phymul_body_cut(NULL, middle, across, NULL, NULL, &cut) == PHYMUL_INVALID_ARGUMENT && cut == NULL)
+  int32_t whether = 1;
+  HOLDS(phymul_body_with_spare_particles(NULL, 1, &cut) == PHYMUL_INVALID_ARGUMENT && cut == NULL)
+  HOLDS(phymul_cut(NULL, middle, across, NULL, NULL, &whether) == PHYMUL_INVALID_ARGUMENT)
   const int32_t cells[] = {0, 1};
   DO(phymul_remove_cells(sim, cells, 2))
   HOLDS(phymul_remove_cells(sim, (const int32_t[]){-1}, 1) == PHYMUL_INVALID_ARGUMENT)

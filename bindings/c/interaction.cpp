@@ -46,7 +46,7 @@ ToolPose pose_of(const phymul_pose* given) {
 }
 
 ToolShape shape_of(const phymul_tool_options& from) {
-  require_kind(from.shape, PHYMUL_SPHERE, 4, "a shape");
+  require_kind(from.shape, PHYMUL_SPHERE, 5, "a shape");
   switch (from.shape) {
     case PHYMUL_SPHERE:
       return Sphere{.radius = from.radius};
@@ -54,6 +54,8 @@ ToolShape shape_of(const phymul_tool_options& from) {
       return Capsule{.radius = from.radius, .length = from.length};
     case PHYMUL_HALF_SPACE:
       return HalfSpace{};
+    case PHYMUL_BLADE:
+      return Blade{.width = from.length, .toughness = from.toughness};
     default:
       return Box{.half_size = vector(from.half_size, "a half size")};
   }

@@ -118,8 +118,7 @@ PHYMUL_API phymul_status phymul_body_triangles(phymul_body* body, const int32_t*
 // valid until the next call of the same function with this body.
 PHYMUL_API phymul_status phymul_body_notes(phymul_body* body, const char** notes);
 PHYMUL_API phymul_status phymul_body_groups(phymul_body* body, const char** names);
-PHYMUL_API phymul_status phymul_body_group(phymul_body* body, const char* name, const int32_t** particles,
-                                           int32_t* count);
+PHYMUL_API phymul_status phymul_body_group(phymul_body* body, const char* name, const int32_t** particles, int32_t* n);
 PHYMUL_API phymul_status phymul_body_add_group(phymul_body* body, const char* name, const int32_t* particles,
                                                int32_t count);
 // A group of cells: phymul_body_set_material gives a material to exactly these.
@@ -127,6 +126,7 @@ PHYMUL_API phymul_status phymul_body_add_cell_group(phymul_body* body, const cha
                                                     int32_t count);
 PHYMUL_API phymul_status phymul_body_set_material(phymul_body* body, const phymul_material* material,
                                                   const char* group);  // NULL: the whole body
+PHYMUL_API phymul_status phymul_body_with_spare_particles(const phymul_body* body, int32_t count, phymul_body** made);
 // cut_body along a plane, where (x - front_point) . front_normal is negative (NULL: everywhere). A new body.
 PHYMUL_API phymul_status phymul_body_cut(const phymul_body* body, const double point[3], const double normal[3],
                                          const double* front_point, const double* front_normal, phymul_body** made);
@@ -179,6 +179,8 @@ PHYMUL_API phymul_status phymul_constrain_volume(phymul_simulation* sim, const c
 
 // Simulation::remove_cells: rows of cells in the order of phymul_body_cells. Particles and cells keep their numbers.
 PHYMUL_API phymul_status phymul_remove_cells(phymul_simulation* sim, const int32_t* cells, int32_t count);
+PHYMUL_API phymul_status phymul_cut(phymul_simulation* sim, const double point[3], const double normal[3],
+                                    const double* front_point, const double* front_normal, int32_t* whether);
 
 typedef struct phymul_step_report {
   uint32_t size;
@@ -248,21 +250,21 @@ typedef struct phymul_pose {
   double spin[3];         // rad/s
 } phymul_pose;
 
-enum { PHYMUL_SPHERE = 0, PHYMUL_CAPSULE = 1, PHYMUL_HALF_SPACE = 2, PHYMUL_BOX = 3 };
+enum { PHYMUL_SPHERE = 0, PHYMUL_CAPSULE = 1, PHYMUL_HALF_SPACE = 2, PHYMUL_BOX = 3, PHYMUL_BLADE = 4 };
 enum { PHYMUL_TOUCHES_PARTICLES = 0, PHYMUL_TOUCHES_SURFACE = 1 };  // ToolContact
 
 typedef struct phymul_tool_options {
   uint32_t size;
   int32_t shape;            // PHYMUL_SPHERE and so on: include/phymul/tool.h
   double radius;            // m, of a sphere or a capsule
-  double length;            // m, of a capsule
+  double length;            // m, of a capsule, or of a blade's edge
   double half_size[3];      // m, of a box
   const phymul_pose* pose;  // NULL: at the origin
   double friction;
-  double compliance;  // m/N
-  double margin;      // m
-  int32_t contact;    // PHYMUL_TOUCHES_PARTICLES or PHYMUL_TOUCHES_SURFACE
+  double compliance, margin;  // m/N, m
+  int32_t contact;            // PHYMUL_TOUCHES_PARTICLES or PHYMUL_TOUCHES_SURFACE
   int32_t unused;
+  double toughness;  // J/m^2, of a blade
 } phymul_tool_options;
 
 typedef struct phymul_tool_force {  // of the particles on the tool

@@ -48,6 +48,9 @@ struct StepReport {
   /// An elastic force was limited in some step of this call: SolverOptions::max_displacement_per_step.
   bool force_clamped = false;
   int springs_broken = 0;  ///< springs of joints that broke in this call
+  /// Simulation: cells that blades have passed and could not cut, because they were cut three times already, the
+  /// spare particles (with_spare_particles) do not suffice, or SolverOptions::max_substeps is above 1.
+  int uncut = 0;
   bool stopped = false;    ///< SolverOptions::progress ended the call before its last step
   Index particle = -1;     ///< row of the model: where a failure happened; -1: unknown
   const char* cause = "";  ///< likely cause of a failure; static text

@@ -18,6 +18,23 @@ namespace phymul {
 /// them with the positions of each frame.
 std::vector<std::array<Index, 3>> surface_triangles(const Model& model);
 
+/// A weighted mean of up to four particles; -1 and 0 after the last.
+struct TissueVertex {
+  std::array<Index, 4> particles{-1, -1, -1, -1};
+  std::array<double, 4> weights{};
+};
+
+/// The surface of what cuts and removals have left of a body: its outer faces as far as they have tissue, and the faces
+/// of cuts. Cracks are closed up to rounding, but where a cut ends inside a cell.
+struct TissueSurface {
+  std::vector<TissueVertex> vertices{};
+  std::vector<std::array<Index, 3>> triangles{};     ///< rows of vertices, counter-clockwise seen from outside
+  std::vector<char> of_cut{};                        ///< [triangles] 1: on a face of a cut
+  VecList at(std::span<const Vec3> position) const;  ///< [vertices] m, for particles at [N] m
+};
+/// Make it anew after a cut. Throws Error for a model that is not valid, and for one in 2-D.
+TissueSurface tissue_surface(const Model& model);
+
 /// Unit normals, outward, for smooth shading: of each particle's triangles the mean, each as its area. Zero for a
 /// particle of none, or whose triangles cancel. `normal` gets the size of `position`, [N] m; nothing is allocated where
 /// it has it. Throws Error for a triangle of a particle that there is not.

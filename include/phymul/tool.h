@@ -3,6 +3,7 @@
 // Tools: rigid objects that the application moves. They touch, hold or pierce a body and report its force.
 #pragma once
 
+#include <phymul/blade.h>
 #include <phymul/needle.h>
 #include <phymul/types.h>
 
@@ -37,7 +38,7 @@ struct Box {
   Vec3 half_size{0, 0, 0};  ///< centred at the tool's position
   bool operator==(const Box&) const = default;
 };
-using ToolShape = std::variant<Sphere, Capsule, HalfSpace, Box, std::shared_ptr<const DistanceGrid>, Needle>;
+using ToolShape = std::variant<Sphere, Capsule, HalfSpace, Box, std::shared_ptr<const DistanceGrid>, Needle, Blade>;
 
 struct ToolPose {
   Vec3 position{0, 0, 0};              ///< m
@@ -67,7 +68,7 @@ struct Tool {
   /// m, >= 0, added around the shape. With ToolContact::particles a tool thinner than the spacing passes through
   /// without force unless it has a margin, see least_margin().
   double margin = 0.0;
-  /// Must be `particles` for a Needle, which finds the surface's triangles itself.
+  /// Must be `particles` for a Needle, which finds the surface's triangles itself, and for a Blade.
   ToolContact contact = ToolContact::particles;
 };
 
@@ -75,7 +76,7 @@ struct Tool {
 /// without touching one; ToolContact::surface needs none. It is stretch * r - t, but at least 0: r is the largest
 /// covering radius of the surface's triangles, the distance from the farthest point of a triangle to its nearest
 /// corner. t is the least radius of the shape: the radius of a Sphere or Capsule, the least half size of a Box, 0 for a
-/// DistanceGrid. The result is 0 for a HalfSpace, and for a Needle, which finds the surface's triangles itself.
+/// DistanceGrid. The result is 0 for a HalfSpace, for a Needle, which finds the surface's triangles itself, and for a Blade.
 /// `stretch` > 0: factor by which edges of the surface grow, in particular where the tool parts them; 1 is for the rest
 /// shape. Throws Error for a model without a surface and for a stretch that is not above 0.
 double least_margin(const Model& model, const ToolShape& shape, double stretch = 1.25);
@@ -115,6 +116,7 @@ struct ToolState {
   std::vector<Index> held{};  ///< [H] particles that it grasps
   VecList held_at{};          ///< [H] their positions in the tool's frame, m
   NeedleState needle{};
+  std::vector<BladePoint> blade{};  ///< points that hold tissue
   bool operator==(const ToolState&) const = default;
 };
 

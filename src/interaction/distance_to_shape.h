@@ -120,6 +120,7 @@ Distance<S> distance_to(const ShapeIn<S>& shape, const Vector3<S>& q) {
       distance = distance_in_grid(q, shape.grid);
       break;
     case ShapeKind::needle:  // has no inside: needle_path.h
+    case ShapeKind::blade:   // likewise: blade_edge.h
       break;
   }
   distance.phi = distance.phi - shape.margin;

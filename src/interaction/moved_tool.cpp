@@ -77,6 +77,7 @@ void MovedTool::read(ToolState& to) const {
   to.held = held;
   to.held_at = held_at;
   to.needle = {};
+  to.blade.clear();
 }
 
 void MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once) {

@@ -7,7 +7,7 @@
 
 namespace phymul {
 
-enum class ShapeKind { sphere, capsule, half_space, box, grid, needle };
+enum class ShapeKind { sphere, capsule, half_space, box, grid, needle, blade };
 
 inline ShapeKind kind_of(const ToolShape& shape) {
   struct Kind {
@@ -17,6 +17,7 @@ inline ShapeKind kind_of(const ToolShape& shape) {
     ShapeKind operator()(const Box&) const { return ShapeKind::box; }
     ShapeKind operator()(const std::shared_ptr<const DistanceGrid>&) const { return ShapeKind::grid; }
     ShapeKind operator()(const Needle&) const { return ShapeKind::needle; }
+    ShapeKind operator()(const Blade&) const { return ShapeKind::blade; }
   };
   return std::visit(Kind{}, shape);
 }

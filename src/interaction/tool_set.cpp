@@ -53,6 +53,8 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   if (grid) moving.grid = *grid;
   const auto* needle = std::get_if<Needle>(&tool.tool.shape);
   if (needle) moving.needle.emplace(*needle, tool.tool.friction, scene.model());
+  const auto* blade = std::get_if<Blade>(&tool.tool.shape);
+  if (blade) moving.blade.emplace(*blade, scene.model());
   if (tool.tool.contact == ToolContact::surface) moving.surface.emplace(scene.model(), tool.tool);
   return moving;
 }
@@ -82,6 +84,7 @@ void ToolSet::follow_body(const Scene& scene) {
   for (Moving& tool : tools_) {
     tool.moved.let_go_of_removed(scene.model().mass);
     if (tool.needle) tool.needle->follow_body(scene.model());
+    if (tool.blade) tool.blade->follow_body();
     const auto own = std::ranges::find(scene.tools(), tool.moved.id, &SceneTool::id);
     if (tool.surface) tool.surface.emplace(scene.model(), own->tool);
   }
@@ -93,6 +96,7 @@ void ToolSet::reset(const Scene& scene, const State& state) {
     Moving& tool = tools_[row];
     const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
     if (tool.surface) tool.surface->forget();
+    if (tool.blade) tool.blade->restore(known ? known->blade : std::vector<BladePoint>{});
     if (tool.needle) {
       tool.needle->restore(known ? known->needle : NeedleState{});
       tool.moved.report.shaft = tool.needle->state().shaft;
@@ -118,14 +122,17 @@ void ToolSet::read(State& state) const {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     tools_[row].moved.read(state.tools[row]);
     if (tools_[row].needle) state.tools[row].needle = tools_[row].needle->state();
+    if (tools_[row].blade) state.tools[row].blade = tools_[row].blade->state();
   }
 }
 
 void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
   if (steps == 0) return;
   at_once_ = at_once;
-  for (std::size_t row = 0; row < tools_.size(); ++row)
+  for (std::size_t row = 0; row < tools_.size(); ++row) {
     tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
+    if (tools_[row].blade) tools_[row].blade->begin_call();
+  }
 }
 
 bool ToolSet::held_by_any(Index particle) const {
@@ -198,6 +205,7 @@ bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<b
     const MovedTool& moved = tool.moved;
     if (!moved.held.empty() || moved.grasps || moved.releases) return true;
     if (tool.needle && !tool.needle->state().hole.empty()) return true;
+    if (tool.blade && tool.blade->holds()) return true;
     if (tool.shape.kind == ShapeKind::half_space) return true;  // a floor is always under something
     Region own = tool.bounds;
     if (tool.needle) own.high.z() += tool.needle->length();
@@ -206,7 +214,9 @@ bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<b
     for (int step = 0; step < steps; ++step) {
       motion.advance(dt);
       const Region region = swept_bounds(tool.shape, own, ToolFrame(motion.pose), ToolFrame(motion.next_pose),
-                                         tool.needle || tool.surface ? wide : 0.0);
+                                         tool.blade                    ? tool.blade->reach()
+                                         : tool.needle || tool.surface ? wide
+                                                                       : 0.0);
       all.low = all.low.cwiseMin(region.low);
       all.high = all.high.cwiseMax(region.high);
       motion.accept();
@@ -247,9 +257,10 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     const ToolMotion& motion = tool.moved.motion;
     if (tool.needle) tool.needle->act(touched, motion.pose, motion.next_pose, tool.next_force);
+    if (tool.blade) tool.blade->act(touched, motion.next_pose, tool.next_force);
   }
   for (Moving& tool : tools_) {
-    if (!tool.needle) press(tool, touched);
+    if (!tool.needle && !tool.blade) press(tool, touched);
   }
 }
 
@@ -259,6 +270,7 @@ void ToolSet::accept() {
       tool.needle->accept();
       tool.moved.report.shaft = tool.needle->state().shaft;
     }
+    if (tool.blade) tool.blade->accept();
     tool.moved.accept_pose();
     tool.next_force.force += tool.pull.force;
     tool.next_force.torque += tool.pull.torque;

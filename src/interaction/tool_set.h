@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "blade_edge.h"
 #include "contact_tool.h"
 #include "joint_set.h"
 #include "moved_tool.h"
@@ -62,6 +63,7 @@ class ToolSet {
     ContactLaw<double> law;
     Region bounds;  // of the shape in its own frame
     std::optional<NeedlePath> needle{};
+    std::optional<BladeEdge> blade{};
     std::optional<SurfacePress> surface{};  // of ToolContact::surface
     JointSet::Pull pull{};                  // of joints, in the step in question
     ToolForce next_force{};                 // likewise, of what it touches

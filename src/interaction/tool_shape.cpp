@@ -41,6 +41,9 @@ ToolExtent extent(const std::shared_ptr<const DistanceGrid>& grid) {
 ToolExtent extent(const Needle&) {
   return {};
 }
+ToolExtent extent(const Blade& blade) {  // its edge
+  return {.low = {-0.5 * blade.width, 0, 0}, .high = {0.5 * blade.width, 0, 0}};
+}
 
 /// m: how far a point of the triangle can be from its nearest corner. Where no angle is obtuse that point is the centre
 /// of the circle through the corners; else that lies outside, and the point is where the upright over the middle of a
@@ -90,6 +93,7 @@ std::optional<double> least_radius(const ToolShape& shape) {
     std::optional<double> operator()(const std::shared_ptr<const DistanceGrid>&) const { return 0.0; }
     std::optional<double> operator()(const HalfSpace&) const { return {}; }
     std::optional<double> operator()(const Needle&) const { return {}; }
+    std::optional<double> operator()(const Blade&) const { return {}; }
   };
   return std::visit(Radius{}, shape);
 }

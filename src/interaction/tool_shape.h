@@ -13,7 +13,7 @@
 
 namespace phymul {
 
-/// A tool's shape in numbers, in its own frame; nothing of a needle.
+/// A tool's shape in numbers, in its own frame; nothing of a needle, the edge of a blade.
 struct ToolExtent {
   Vec3 size{0, 0, 0};                // m; sphere: radius; capsule: radius, length; box: half sizes
   double thickness = 0.0;            // m: a way shorter than half of it cannot pass through
@@ -23,7 +23,7 @@ struct ToolExtent {
 ToolExtent extent_of(const Tool& tool);
 
 /// m: a ball of this radius goes wherever the shape goes through a surface, 0 for a DistanceGrid; empty for a HalfSpace
-/// and a Needle, which do not go through.
+/// a Needle and a Blade, which do not go through.
 std::optional<double> least_radius(const ToolShape& shape);
 
 struct GraspedParticle {

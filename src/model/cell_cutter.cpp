@@ -134,6 +134,10 @@ class CellCutter {
     const double share = tissue_share(first.cuts) / whole;
     if (share < no_share || share > 1.0 - no_share) return;
     if (std::ranges::count_if(first.cuts, divides) > static_cast<std::ptrdiff_t>(most_cuts)) {
+      if (cut_.refused != nullptr) {
+        ++*cut_.refused;
+        return;
+      }
       throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": " +
                                                 cell_label(body_.model, static_cast<std::size_t>(row)) +
                                                 " would be cut a fourth time; expected at most three cuts through one");

@@ -39,6 +39,8 @@ struct CutCells {
   /// Whether the edge has passed the middle of a section, whose barycentric coordinates these are.
   std::function<bool(Index row, const Eigen::Vector4d& middle)> passed;
   const char* who = "cut_body";  ///< begins messages
+  /// Not null: what it would throw for is left as it is, and the cells are counted here.
+  std::size_t* refused = nullptr;
 };
 
 /// Particles without mass, neighbours and cell after all that have one (with_spare_particles), ascending.

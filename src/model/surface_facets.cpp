@@ -14,10 +14,11 @@ struct Candidate {
   std::array<Index, 4> ring;  // in order, -1 at the end where there are fewer
   bool inside_out;            // the cell it belongs to has negative volume
   bool beyond_cut;            // no tissue of its cell is there
+  const Cell* cell;
 };
 
-Candidate candidate(std::array<Index, 4> ring, bool inside_out) {
-  Candidate made{ring, ring, inside_out, false};
+Candidate candidate(const Cell& cell, std::array<Index, 4> ring, bool inside_out) {
+  Candidate made{ring, ring, inside_out, false, &cell};
   std::sort(made.key.begin(), made.key.end());
   return made;
 }
@@ -66,7 +67,7 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
     std::vector<FaceCut> cuts;
     each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
       if (!all_chosen(ring, chosen)) return;
-      faces.push_back(candidate(ring, inside_out));
+      faces.push_back(candidate(cell, ring, inside_out));
       if (cell.cuts.empty()) return;
       cuts.clear();
       add_cuts_of_face(cell.particles, cell.cuts, {ring[0], ring[1], ring[2]}, cuts);
@@ -78,8 +79,15 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
   std::vector<Facet> facets;
   for (std::size_t from = 0, to = 0; from < faces.size(); from = to) {
     for (to = from + 1; to < faces.size() && faces[to].key == faces[from].key;) ++to;
-    if (to == from + 1 && !faces[from].beyond_cut)
-      facets.push_back(made_facet(model, faces[from].ring, faces[from].inside_out));
+    // Where a cut ends inside the body both parts of a cell have the same face.
+    const auto of_one_cell = [&](const Candidate& face) {
+      return cell_centre(*face.cell, model.rest) == cell_centre(*faces[from].cell, model.rest);
+    };
+    const auto first = faces.begin() + static_cast<std::ptrdiff_t>(from),
+               last = faces.begin() + static_cast<std::ptrdiff_t>(to);
+    if (to > from + 1 && (first->cell->cuts.empty() || !std::all_of(first, last, of_one_cell))) continue;
+    if (std::all_of(first, last, [](const Candidate& face) { return face.beyond_cut; })) continue;
+    facets.push_back(made_facet(model, faces[from].ring, faces[from].inside_out));
   }
   return facets;
 }

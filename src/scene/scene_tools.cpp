@@ -75,6 +75,10 @@ struct ShapeCheck {
     if (!grid) throw Error(label(tool) + "expected a distance grid, got none; make_distance_grid makes one");
   }
   void operator()(const Needle& needle) const { require_needle(tool, needle); }
+  void operator()(const Blade& blade) const {
+    require_size(tool, "width", blade.width);
+    require_not_negative(label(tool), "toughness (J/m^2)", blade.toughness);
+  }
 };
 
 ToolPose accepted_pose(std::string_view tool, ToolPose pose) {
@@ -108,6 +112,15 @@ ToolHandle Scene::add_tool(std::string name, Tool tool) & {
       throw Error(label(name) + "expected a body in three dimensions: a needle spreads its forces around its shaft");
     }
     require_spread(name, needle->spread, *model_);
+  }
+  if (std::holds_alternative<Blade>(tool.shape)) {
+    if (tool.contact != ToolContact::particles) {
+      throw Error(label(name) + "expected ToolContact::particles, got surface: a blade finds the tissue by itself");
+    }
+    const auto is_cell = [](const Cell& cell) { return cell.type == CellType::tetrahedron; };
+    if (model_->dimension == 2 || model_->materials.empty() || std::ranges::none_of(model_->cells, is_cell)) {
+      throw Error(ErrorCode::not_supported, label(name) + "expected a body of tetrahedra with a material for a blade");
+    }
   }
   SceneTool added;
   added.pose = tool.pose = accepted_pose(name, tool.pose);
@@ -171,6 +184,7 @@ void ToolHandle::grasp(double distance) const {
   SceneTool& tool = own();
   require_not_negative(label(tool.name), "distance to grasp within (m)", distance);
   if (std::holds_alternative<Needle>(tool.tool.shape)) throw Error(label(tool.name) + "a needle cannot grasp");
+  if (std::holds_alternative<Blade>(tool.tool.shape)) throw Error(label(tool.name) + "a blade cannot grasp");
   tool.grasping = true;
   tool.grasp_distance = distance;
   ++tool.grasps;

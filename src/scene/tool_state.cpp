@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace phymul {
 namespace {
@@ -18,7 +19,7 @@ bool fits(const ShaftLoad& load) {
 }
 
 /// A weighted mean.
-bool fits(const std::vector<double>& weights) {
+bool fits(std::span<const double> weights) {
   double sum = 0.0;
   for (const double w : weights) sum += w;
   return std::abs(sum - 1.0) <= 1e-6 &&
@@ -34,11 +35,18 @@ bool fits(const ToolState& tool, Index particle_count) {
   if (tool.held.size() != tool.held_at.size()) return false;
   if (!(std::abs(tool.needle.slip) <= longest_needle)) return false;
   if (!std::ranges::all_of(tool.needle.shaft, [](const ShaftLoad& load) { return fits(load); })) return false;
+  if (!std::ranges::all_of(tool.blade, [](const BladePoint& p) { return std::isfinite(p.along) && std::isfinite(p.ahead) && fits(p.weights); })) {
+    return false;
+  }
   if (!std::ranges::all_of(tool.held, is_particle) || !std::ranges::all_of(tool.held_at, finite)) return false;
   return std::ranges::all_of(tool.needle.hole, [&](const NeedleNode& node) {
     return !node.particles.empty() && node.particles.size() == node.weights.size() &&
            std::ranges::all_of(node.particles, is_particle) && fits(node.weights);
   });
+}
+
+bool is_blade(const SceneTool& tool) {
+  return std::holds_alternative<Blade>(tool.tool.shape);
 }
 
 bool is_needle(const SceneTool& tool) {
@@ -54,6 +62,10 @@ void require_fitting_shape(const ToolState& state, const SceneTool& tool) {
     throw Error("Solver::reset: the state of tool \"" + state.name + "\" holds " + std::to_string(state.held.size()) +
                 " particles, but the scene's tool of that name is a needle, which cannot" + what_to_do);
   }
+  if (!is_blade(tool) && !state.blade.empty()) {
+    throw Error("Solver::reset: the state of tool \"" + state.name +
+                "\" has points of a blade, but the scene's tool of that name is no blade" + what_to_do);
+  }
   const bool pierces = !state.needle.hole.empty() || !state.needle.shaft.empty() || state.needle.punctured;
   if (!is_needle(tool) && pierces) {
     throw Error("Solver::reset: the state of tool \"" + state.name +
@@ -68,7 +80,8 @@ bool has_needle(const std::vector<SceneTool>& tools) {
 }
 
 bool touches_surface(const std::vector<SceneTool>& tools) {
-  return std::ranges::any_of(tools, [](const SceneTool& tool) { return tool.tool.contact == ToolContact::surface; });
+  return std::ranges::any_of(
+      tools, [](const SceneTool& tool) { return tool.tool.contact == ToolContact::surface || is_blade(tool); });
 }
 
 void require_tool_states(const State& state, Index particle_count, const std::vector<SceneTool>& tools) {

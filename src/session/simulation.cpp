@@ -196,18 +196,21 @@ void Simulation::Parts::begin(double dt) {
 }
 
 void Simulation::Parts::state_changed() {
+  blade_poses.clear();
   if (recorder) recorder->restore(solver().snapshot());
 }
 
 StepReport Simulation::Parts::step(int n, double dt) {
-  const StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
+  StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
+  if (report.ok()) cut_with_blades(report);
   if (history) history->follow(solver(), report);
   return report;
 }
 
 RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
-  const RestResult result =
+  RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
+  if (result.report.ok()) cut_with_blades(result.report);
   if (history) history->follow(solver(), result.report);
   return result;
 }

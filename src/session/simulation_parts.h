@@ -6,6 +6,7 @@
 #include <phymul/simulation.h>
 
 #include <chrono>
+#include <map>
 #include <optional>
 
 #include "elastic/scaled_tables.h"
@@ -38,6 +39,7 @@ struct Simulation::Parts {
   void state_changed();  ///< by something that the recorder does not see
 
   StepReport step(int n, double dt);
+  void cut_with_blades(StepReport& report);  ///< after the steps of a call
   RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
   RestResult run_to_rest(int max_steps, double dt);  ///< with a damping that it chooses
 
@@ -46,6 +48,7 @@ struct Simulation::Parts {
   Scene scene;
   std::shared_ptr<TopologyTextures> topology;
   std::unique_ptr<BodyEdit> edit;  ///< of model and topology, by body_edit()
+  std::map<std::uint64_t, ToolPose> blade_poses;  ///< by SceneTool::id, where cut_with_blades() saw them last
   ScaledTables scaled;
 
   struct Start {

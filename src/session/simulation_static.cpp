@@ -35,6 +35,7 @@ constexpr double unbalanced = 1e-8;
 void require_supported(const SceneTool& tool, const Solver& solver) {
   const std::string name = "the tool \"" + tool.name + '"';
   if (std::holds_alternative<Needle>(tool.tool.shape)) refuse(name + " is a needle");
+  if (std::holds_alternative<Blade>(tool.tool.shape)) refuse(name + " is a blade");
   if (tool.tool.friction > 0.0) refuse(name + " has friction, by which the rest shape depends on the way to it");
   if (tool.tool.compliance > 0.0 && tool.tool.contact == ToolContact::surface) {
     refuse(name + " has compliance and ToolContact::surface");

@@ -18,7 +18,7 @@ namespace {
 
 /// Parts in the bytes alone, so that files are read that were written before snapshots had them.
 constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
-                     *cuts_part = "cuts";
+                     *cuts_part = "cuts", *blades_part = "blades";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -93,6 +93,19 @@ void take_scene(ByteReader& in, Snapshot& snapshot) {
   snapshot.scene = std::make_shared<const SceneParts>(std::move(scene));
 }
 
+template <class Bytes, class Points>
+void blade_fields(Bytes& bytes, Points& points) {
+  bytes.list(points, 58, "a number of points of a blade", [&](auto& point) {
+    bytes.field(point.place, "a place along an edge");
+    bytes.field(point.cell, "a cell");
+    for (auto& weight : point.weights) bytes.field(weight, "a weight");
+    bytes.field(point.along, "a place along an edge");
+    bytes.field(point.ahead, "a distance from an edge");
+    bytes.field(point.slides, "whether an edge slides");
+    bytes.field(point.loads, "whether an edge pushes at its limit");
+  });
+}
+
 }  // namespace
 
 void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
@@ -110,8 +123,9 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   const bool moved = snapshot.growth != 0.0 || snapshot.max_speed != 0.0;
   with_scene = with_scene && snapshot.scene;
   const bool removed = !snapshot.removed_cells.empty();
+  const bool blades = std::ranges::any_of(snapshot.state.tools, [](const ToolState& t) { return !t.blade.empty(); });
   out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0) + (removed ? 1 : 0) +
-          (snapshot.cuts.empty() ? 0 : 1));
+          (snapshot.cuts.empty() ? 0 : 1) + (blades ? 1 : 0));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
@@ -134,6 +148,12 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     cuts_field(cuts, snapshot.cuts);
     out.text(cuts_part);
     out.text(cuts.bytes());
+  }
+  if (blades) {
+    ByteWriter points;
+    for (const ToolState& tool : snapshot.state.tools) blade_fields(points, tool.blade);
+    out.text(blades_part);
+    out.text(points.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -187,6 +207,11 @@ Snapshot take_snapshot(ByteReader& in) {
     if (part.name == cuts_part) {
       cuts_field(bytes, snapshot.cuts);
       bytes.expect_end("the cuts");
+      continue;
+    }
+    if (part.name == blades_part) {
+      for (ToolState& tool : snapshot.state.tools) blade_fields(bytes, tool.blade);
+      bytes.expect_end("the points of blades");
       continue;
     }
     if (part.name == motion_part) {

@@ -24,7 +24,7 @@ std::size_t bytes_of(const Snapshot& snapshot) {
                                                          snapshot.state.velocity.size() + snapshot.displacement.size());
   for (const ToolState& tool : snapshot.state.tools) {
     bytes += sizeof tool + tool.name.size() + tool.held.size() * (sizeof(Index) + sizeof(Vec3));
-    bytes += tool.needle.shaft.size() * sizeof(ShaftLoad);
+    bytes += tool.needle.shaft.size() * sizeof(ShaftLoad) + tool.blade.size() * sizeof(BladePoint);
     for (const NeedleNode& node : tool.needle.hole) {
       bytes += sizeof node + node.particles.size() * (sizeof(Index) + sizeof(double));
     }

@@ -27,6 +27,9 @@ void each_member(Shape& shape, Visit visit) {
   } else if constexpr (std::is_same_v<Plain, Needle>) {
     auto& [length, radius, puncture, cutting, at_rest, sliding, spread, bending] = shape;
     for (auto* m : {&length, &radius, &puncture, &cutting, &at_rest, &sliding, &spread, &bending}) visit(*m);
+  } else if constexpr (std::is_same_v<Plain, Blade>) {
+    visit(shape.width);
+    visit(shape.toughness);
   } else {
     static_assert(std::is_same_v<Plain, HalfSpace>, "a shape that is not written yet");
   }
@@ -70,9 +73,11 @@ ToolShape take_shape(ByteReader& in, ShapeKind kind) {
     case ShapeKind::grid:
       return take_grid(in);
     case ShapeKind::needle:
+      return take_members<Needle>(in);
+    case ShapeKind::blade:
       break;
   }
-  return take_members<Needle>(in);
+  return take_members<Blade>(in);
 }
 
 // From here on: what a thing is made of, for a ByteWriter and a thing that is const, or a ByteReader and one that is

@@ -20,7 +20,7 @@ constexpr int codes_of(Axis) {
   return static_cast<int>(Axis::driven) + 1;
 }
 constexpr int codes_of(ShapeKind) {
-  return static_cast<int>(ShapeKind::needle) + 1;
+  return static_cast<int>(ShapeKind::blade) + 1;
 }
 constexpr int codes_of(ToolContact) {
   return static_cast<int>(ToolContact::surface) + 1;

@@ -180,7 +180,7 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
   }
   if (touches_surface(scene.tools())) {
     return processor_because(std::move(cpu),
-                             "the scene has a tool with ToolContact::surface, and no trial shows what it costs the "
+                             "the scene has a Blade or a tool with ToolContact::surface, and no trial shows what it costs the "
                              "processor before it touches");
   }
   if (scene.contacts()) {

@@ -44,7 +44,7 @@ constexpr const char* no_tools =
 constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_surfaces =
-    "the scene has a tool with ToolContact::surface, which this backend does not take; use \"cpu\", \"gl-compute\" or "
+    "the scene has a Blade or a tool with ToolContact::surface, which this backend does not take; use \"cpu\", \"gl-compute\" or "
     "\"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";

@@ -50,6 +50,12 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   }
   first_of_.resize(model.rest.size());
   std::iota(first_of_.begin(), first_of_.end(), 0);
+  double volume = 0.0;
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    if (has_material(model, model.cells[row])) volume += signed_measure(model.dimension, model.cells[row], model.rest);
+  }
+  const auto used = std::ranges::count_if(cells_of_, [](const auto& cells) { return !cells.empty(); });
+  spacing_ = std::cbrt(volume / static_cast<double>(used));
   mass_ = model.mass;
   lumped_.resize(mass_.size());
   for (Index i = 0; i < model.particle_count(); ++i) weigh_lumped(i);
@@ -178,6 +184,10 @@ BodyCut BodyEdit::find_cut(const CutCells& cut) const {
                      .spare = [&](std::size_t k) { return k < spare_.size() ? spare_[spare_.size() - 1 - k] : none; }};
   BodyCut found = cut_cells(body, cut);
   if (found.copies.size() > spare_.size()) {
+    if (cut.refused != nullptr) {
+      *cut.refused += found.added.size();
+      return {};
+    }
     throw Error(ErrorCode::not_supported,
                 std::string(cut.who) + ": the cut needs copies of " + std::to_string(found.copies.size()) +
                     " particles, and the body has " + std::to_string(spare_.size()) +

@@ -162,6 +162,10 @@ class Body(Owner):
         pointers = [value.ctypes.data for value in plane] + [None] * (4 - len(plane))
         return Body(make("body", library.phymul_body_cut, self._pointer, *pointers))
 
+    def with_spare_particles(self, count: int) -> Body:
+        """The same body with room for the copies of so many particles, which Simulation.cut and blades need."""
+        return Body(make("body", library.phymul_body_with_spare_particles, self._pointer, count))
+
     def moved(self, by: Vector) -> Body:
         """The same body elsewhere."""
         by = floats(by, (3,), "a displacement")

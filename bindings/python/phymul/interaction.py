@@ -43,7 +43,15 @@ class Box:
     half_size: Vector  # m
 
 
-Shape = Union[Sphere, Capsule, HalfSpace, Box]
+@dataclass(frozen=True)
+class Blade:
+    """A straight edge along the tool's x axis, which cuts toward -z in the plane y = 0 (include/phymul/blade.h)."""
+
+    width: float  # m
+    toughness: float = 0.0  # J/m^2
+
+
+Shape = Union[Sphere, Capsule, HalfSpace, Box, Blade]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from ._library import (Error, ErrorCode, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of,
                        sized, text_of, view_of)
 from .body import Body, Material, Path, Vector
-from .interaction import (Anchor, Box, Capsule, HalfSpace, Joint, Load, Pose, Shape, Skin, Sphere, Tool, Value, Where,
+from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Joint, Load, Pose, Shape, Skin, Sphere, Tool, Value, Where,
                           events_of, fields_of, fill, pose_of)
 
 _ref = ctypes.byref
@@ -158,14 +158,16 @@ class Simulation(Owner):
         pose_struct = pose_of(pose)
         options = sized("phymul_tool_options", friction=friction, compliance=compliance, margin=margin,
                         contact=contact == "surface", pose=ctypes.addressof(pose_struct))
-        kinds = {Sphere: "SPHERE", Capsule: "CAPSULE", HalfSpace: "HALF_SPACE", Box: "BOX"}
+        kinds = {Sphere: "SPHERE", Capsule: "CAPSULE", HalfSpace: "HALF_SPACE", Box: "BOX", Blade: "BLADE"}
         if type(shape) not in kinds:
-            raise Error(f"expected a Sphere, Capsule, HalfSpace or Box, got {shape!r:.100}")
+            raise Error(f"expected a Sphere, Capsule, HalfSpace, Box or Blade, got {shape!r:.100}")
         options.shape = constants[kinds[type(shape)]]
         if isinstance(shape, (Sphere, Capsule)):
             options.radius = shape.radius
         if isinstance(shape, Capsule):
             options.length = shape.length
+        if isinstance(shape, Blade):
+            options.length, options.toughness = shape.width, shape.toughness
         if isinstance(shape, Box):
             fill(options, "a box", half_size=shape.half_size)
         number = ctypes.c_uint64()
@@ -230,6 +232,17 @@ class Simulation(Owner):
         library.phymul_remove_cells(self._pointer, rows.ctypes.data, len(rows))
         self._body = None
         return self
+
+    def cut(self, point: Vector, normal: Vector, front: Optional[tuple[Vector, Vector]] = None) -> bool:
+        """Cuts along a plane in the rest shape; where `front`, a point and a normal, is given, only behind it. Whether
+        anything was cut. The body needs spare particles (Body.with_spare_particles); restore() undoes cuts. Read `body`
+        again for masses, cells and surface."""
+        plane = [floats(value, (3,), "a point or normal") for value in (point, normal, *(front or ()))]
+        pointers = [value.ctypes.data for value in plane] + [None] * (4 - len(plane))
+        whether = ctypes.c_int32()
+        library.phymul_cut(self._pointer, *pointers, ctypes.byref(whether))
+        self._body = None
+        return bool(whether.value)
 
     def _stepped(self, function: Any, *arguments: Any) -> StepReport:
         report = sized("phymul_step_report")

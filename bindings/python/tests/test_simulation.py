@@ -193,6 +193,22 @@ class States(Refusals):
         self.assertGreater(cut.cut((0, 0.05, 0), (0, 1, 0)).particles, cut.particles)
         self.assertEqual(body.cut((1, 0, 0), (1, 0, 0)).particles, body.particles)
 
+    def test_simulations_are_cut(self):
+        body = phymul.make_tetrahedral_block((0.1, 0.1, 0.05), 6, 6, 3)
+        body.set_material(1e4, 0.4, 1000.0)
+        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "spare", phymul.Simulation(body, backend="cpu").cut, (0.05, 0, 0), (1, 0, 0))
+        sim = phymul.Simulation(body.with_spare_particles(300), backend="cpu").fix("x0").gravity((0, 0, -9.81))
+        start, cells = sim.snapshot(), len(sim.body.cells)
+        self.assertFalse(sim.cut((1, 0, 0), (1, 0, 0)))
+        self.assertTrue(sim.cut((0.05, 0, 0), (1, 0, 0), front=((0, 0.05, 0), (0, 1, 0))))
+        self.assertGreater(len(sim.body.cells), cells)
+        edge = sim.add_tool(phymul.Blade(width=0.2), phymul.Pose((0.08, 0.0, 0.0), (0.5, 0.5, 0.5, 0.5)))
+        sim.advance(0.01)
+        self.assertGreater(np.count_nonzero(sim.body.masses), body.particles)
+        self.assertEqual(edge.force.particles, 0)
+        sim.restore(start)
+        self.assertEqual(len(sim.body.cells), cells)
+
     def test_recordings_repeat(self):
         sim = block().fix("z0").gravity((0, 0, -2))
         sim.record()

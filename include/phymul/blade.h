@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+//
+// Blade: a tool shape that cuts a body of tetrahedra (Simulation).
+#pragma once
+
+#include <phymul/types.h>
+
+#include <array>
+
+namespace phymul {
+
+/// A straight edge in the tool's frame: the segment along x of length `width` around the tool's position. It cuts
+/// toward -z, in the plane y = 0. What is behind the edge touches nothing.
+struct Blade {
+  double width = 0.0;      ///< m, > 0
+  double toughness = 0.0;  ///< J/m^2, >= 0, work per area of cut. Tissue goes with the edge until the force is that
+                           ///< much per length of edge in it, N/m: a large one is a dull blade. 0: cuts what it meets
+  bool operator==(const Blade&) const = default;
+};
+
+/// Part of ToolState: a point of the edge, and the tissue ahead of it that it holds.
+struct BladePoint {
+  Index place = -1;                 ///< of the points along the edge, ascending
+  Index cell = -1;                  ///< row of Model::cells; what is cut is named by the row that it had
+  std::array<double, 4> weights{};  ///< barycentric coordinates in it
+  double along = 0.0;               ///< m, from the middle of the edge
+  double ahead = 0.0;               ///< m, of the edge
+  bool slides = false;              ///< the force was at its limit in the last step
+  bool loads = false;  ///< tissue is pushed at that limit, whatever its place, since what was held before was cut
+  bool operator==(const BladePoint&) const = default;
+};
+
+}  // namespace phymul

@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: MIT
+#include "blade_edge.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace phymul {
+namespace {
+
+constexpr int edge_sweeps = 4;
+constexpr double points_in_spacing = 4.0;
+/// Spacings: tissue that is farther from its point of the edge, aside or behind, has been left.
+constexpr double left_behind = 1.0;
+constexpr int farthest_walk = 30;  // sites
+/// Spacings from the edge to tissue that is not cut, and of a search for it.
+constexpr double farthest_front = 1.0, front_step = 0.1;
+constexpr double in_site = -1e-9;  // least barycentric coordinate
+
+}  // namespace
+
+BladeEdge::BladeEdge(const Blade& blade, const Model& model) : blade_(blade), model_(model) {
+  // Without resistance there is nothing to hold.
+  if (blade.toughness > 0.0) build();
+}
+
+void BladeEdge::build() {
+  double volume = 0.0;
+  std::map<std::array<Index, 3>, std::pair<Index, int>> faces;
+  for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
+    const Cell& cell = model_.cells[row];
+    site_of_row_.push_back(-1);
+    if (cell.type != CellType::tetrahedron) continue;
+    const Key key = key_of(cell);
+    const auto [known, is_new] = site_of_.try_emplace(key, static_cast<Index>(sites_.size()));
+    if (!is_new) {
+      sites_[known->second].further.push_back(row);
+      divided_.push_back(known->second);
+      continue;
+    }
+    const auto site = static_cast<Index>(sites_.size());
+    sites_.push_back({row});
+    site_of_row_.back() = site;
+    sites_at_.resize(place_at_.size());
+    std::array<Vec3, 4> x;
+    for (std::size_t v = 0; v < 4; ++v) x[v] = model_.rest[cell.particles[v]];
+    volume += std::abs((x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0])) / 6.0;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const Index own = place_of(x[v]);
+      sites_at_[own].push_back(site);
+      for (std::size_t w = 0; w < v; ++w) longest_ = std::max(longest_, (x[v] - x[w]).norm());
+      std::array<Index, 3> face{};
+      std::ranges::copy_if(key, face.begin(), [&](Index place) { return place != own; });
+      const auto [other, is_first] = faces.try_emplace(face, site, static_cast<int>(v));
+      if (is_first) continue;
+      sites_[site].beyond[v] = other->second.first;
+      sites_[other->second.first].beyond[other->second.second] = site;
+    }
+  }
+  rows_ = static_cast<Index>(model_.cells.size());
+  if (sites_.empty()) return;
+  spacing_ = std::cbrt(volume / static_cast<double>(place_at_.size()));
+  count_ = std::max(1, static_cast<Index>(std::ceil(points_in_spacing * blade_.width / spacing_)));
+}
+
+Index BladeEdge::place_of(const Vec3& rest) {
+  return place_at_.try_emplace({rest.x(), rest.y(), rest.z()}, static_cast<Index>(place_at_.size())).first->second;
+}
+
+BladeEdge::Key BladeEdge::key_of(const Cell& cell) {
+  Key key{};
+  std::ranges::transform(cell.particles, key.begin(), [&](Index i) { return place_of(model_.rest[i]); });
+  std::ranges::sort(key);
+  return key;
+}
+
+void BladeEdge::begin_call() {
+  looks_ = true;
+}
+
+void BladeEdge::accept() {
+  points_ = next_;
+  looks_ = false;
+}
+
+void BladeEdge::follow_body() {
+  if (sites_.empty()) return;
+  for (const Index site : divided_) std::erase_if(sites_[site].further, [&](Index row) { return row >= rows_; });
+  for (Index row = rows_; row < static_cast<Index>(model_.cells.size()); ++row) {
+    const auto known = site_of_.find(key_of(model_.cells[row]));
+    if (known == site_of_.end()) continue;
+    sites_[known->second].further.push_back(row);
+    divided_.push_back(known->second);
+  }
+  std::ranges::sort(divided_);
+  const auto again = std::ranges::unique(divided_);
+  divided_.erase(again.begin(), again.end());
+}
+
+/// Calls visit(particles) for the rows of the site in which tissue is left.
+template <class Visit>
+void BladeEdge::each_part(const Site& site, Visit visit) const {
+  if (model_.cells[site.row].share > 0.0) visit(model_.cells[site.row].particles);
+  for (const Index row : site.further) {
+    if (model_.cells[row].share > 0.0) visit(model_.cells[row].particles);
+  }
+}
+
+bool BladeEdge::has_tissue(const Site& site) const {
+  bool any = false;
+  each_part(site, [&](const auto&) { any = true; });
+  return any;
+}
+
+bool BladeEdge::is_whole(const Site& site) const {
+  return site.further.empty() && model_.cells[site.row].share > 0.0 && model_.cells[site.row].cuts.empty();
+}
+
+/// Means over its parts of their particles, whose places `place_of(particle)` has.
+template <class PlaceOf>
+BladeEdge::Corners BladeEdge::corners_of(const Site& site, const PlaceOf& place_of) const {
+  Corners corners;
+  corners.fill(Vec3::Zero());
+  double parts = 0.0;
+  each_part(site, [&](const std::vector<Index>& particles) {
+    for (std::size_t v = 0; v < 4; ++v) corners[v] += place_of(particles[v]);
+    parts += 1.0;
+  });
+  for (Vec3& corner : corners) corner /= parts;
+  return corners;
+}
+
+BladeEdge::Weights BladeEdge::weights_in(const Corners& corners, const Vec3& x) {
+  Mat3 edges;
+  edges << corners[1] - corners[0], corners[2] - corners[0], corners[3] - corners[0];
+  const Vec3 along = edges.inverse() * (x - corners[0]);
+  return {1.0 - along.sum(), along.x(), along.y(), along.z()};
+}
+
+Index BladeEdge::walk(const TouchedParticles& touched, Index site, const Vec3& x, Weights& weights) const {
+  for (int step = 0; step < farthest_walk && site >= 0 && has_tissue(sites_[site]); ++step) {
+    weights = weights_in(corners_of(sites_[site], [&](Index i) { return touched.end(i); }), x);
+    Eigen::Index least = 0;
+    const double smallest = weights.minCoeff(&least);
+    if (smallest >= in_site) return site;
+    if (!std::isfinite(smallest)) return -1;
+    site = sites_[site].beyond[static_cast<std::size_t>(least)];
+  }
+  return -1;
+}
+
+/// Takes the first tissue from the edge on that is whole: a cut is ahead of the edge by a part of a cell. None: site
+/// -1.
+void BladeEdge::go_on(const TouchedParticles& touched, const Vec3& edge, const Vec3& way, Point& point) const {
+  for (int k = 0; k * front_step <= farthest_front; ++k) {
+    point.ahead = k * front_step * spacing_;
+    const Index site = walk(touched, point.site, edge + point.ahead * way, point.front);
+    if (site < 0 || !is_whole(sites_[site])) continue;
+    point.site = site;
+    return;
+  }
+  point.site = -1;
+}
+
+/// At its limit the edge goes on in the tissue: a half of that at least, while it comes nearer to what it holds.
+void BladeEdge::slide(const TouchedParticles& touched, const Vec3& edge, const Vec3& way, double by,
+                      Point& point) const {
+  for (const double ahead : {std::max(0.0, point.ahead - 0.5 * by), point.ahead}) {
+    Weights front;
+    const Index site = walk(touched, point.site, edge + ahead * way, front);
+    if (site < 0 || !is_whole(sites_[site])) continue;
+    point.site = site;
+    point.front = front;
+    point.ahead = ahead;
+    return;
+  }
+  go_on(touched, edge, way, point);
+  point.loads = true;
+}
+
+std::vector<BladePoint> BladeEdge::state() const {
+  std::vector<BladePoint> state;
+  for (const Point& point : points_) {
+    const Weights& w = point.front;
+    state.push_back({point.place,
+                     sites_[point.site].row,
+                     {w[0], w[1], w[2], w[3]},
+                     along(point.place),
+                     point.ahead,
+                     point.slides,
+                     point.loads});
+  }
+  return state;
+}
+
+void BladeEdge::restore(const std::vector<BladePoint>& state) {
+  points_.clear();
+  for (const BladePoint& point : state) {
+    const bool known = point.cell >= 0 && point.cell < rows_ && point.place >= 0 && point.place < count_;
+    const Index site = known ? site_of_row_[point.cell] : -1;
+    if (site < 0) continue;
+    const auto& w = point.weights;
+    points_.push_back({point.place, site, Weights(w[0], w[1], w[2], w[3]), point.ahead, point.slides, point.loads});
+  }
+  next_ = points_;
+}
+
+double BladeEdge::along(Index place) const {
+  return blade_.width * ((place + 0.5) / count_ - 0.5);
+}
+
+Vec3 BladeEdge::edge_at(const ToolFrame& frame, Index place) const {
+  return frame.outside({along(place), 0.0, 0.0});
+}
+
+/// Points that hold none take the tissue that they are in, where it is whole, or the next one ahead where it is cut.
+void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& end) {
+  if (!looks_ || static_cast<Index>(next_.size()) == count_) return;
+  look_around(touched, end);
+  const Vec3 ahead = -farthest_front * spacing_ * end.turn.col(2);
+  const std::size_t held = next_.size();
+  for (Index place = 0; place < count_ && !near_.empty(); ++place) {
+    const auto known =
+        std::ranges::find(next_.begin(), next_.begin() + static_cast<std::ptrdiff_t>(held), place, &Point::place);
+    if (known != next_.begin() + static_cast<std::ptrdiff_t>(held)) continue;
+    const Vec3 edge = edge_at(end, place);
+    Point point{.place = place};
+    bool in_tissue = false;
+    double least = HUGE_VAL;  // share of the way ahead
+    for (const Near& near : near_) {
+      if ((edge.cwiseMax(edge + ahead).array() < near.low.array()).any() ||
+          (edge.cwiseMin(edge + ahead).array() > near.high.array()).any()) {
+        continue;
+      }
+      const Weights here = weights_in(near.corners, edge), there = weights_in(near.corners, edge + ahead);
+      in_tissue = in_tissue || here.minCoeff() >= in_site;
+      if (!is_whole(sites_[near.site])) continue;
+      // Where all coordinates are above 0 on the way.
+      double from = 0.0, to = 1.0;
+      for (Eigen::Index v = 0; v < 4; ++v) {
+        if (here[v] < 0.0 && there[v] <= here[v]) to = -1.0;
+        const double at = here[v] / (here[v] - there[v]);
+        if (here[v] < 0.0 && there[v] > here[v]) from = std::max(from, at);
+        if (here[v] >= 0.0 && there[v] < 0.0) to = std::min(to, at);
+      }
+      if (from > to || from >= least) continue;
+      least = from;
+      point.site = near.site;
+      point.front = here + from * (there - here);
+      point.ahead = from * farthest_front * spacing_;
+    }
+    if (in_tissue && point.site >= 0) next_.push_back(point);
+  }
+  if (next_.size() > held) std::ranges::sort(next_, {}, &Point::place);
+}
+
+/// near_: sites with tissue around the edge.
+void BladeEdge::look_around(const TouchedParticles& touched, const ToolFrame& end) {
+  const Vec3 first = edge_at(end, 0), last = edge_at(end, count_ - 1);
+  near_.clear();
+  found_.clear();
+  touched.step().find({.low = first.cwiseMin(last).array() - longest_, .high = first.cwiseMax(last).array() + longest_},
+                      found_);
+  around_.clear();
+  for (const Index i : found_) {
+    const Vec3& rest = model_.rest[i];
+    const auto place = place_at_.find({rest.x(), rest.y(), rest.z()});
+    if (place == place_at_.end() || place->second >= static_cast<Index>(sites_at_.size())) continue;
+    around_.insert(around_.end(), sites_at_[place->second].begin(), sites_at_[place->second].end());
+  }
+  std::ranges::sort(around_);
+  const auto again = std::ranges::unique(around_);
+  around_.erase(again.begin(), again.end());
+  for (const Index site : around_) {
+    if (!has_tissue(sites_[site])) continue;
+    Near near{.site = site, .corners = corners_of(sites_[site], [&](Index i) { return touched.end(i); })};
+    for (const Vec3& corner : near.corners) {
+      near.low = near.low.cwiseMin(corner);
+      near.high = near.high.cwiseMax(corner);
+    }
+    near_.push_back(near);
+  }
+}
+
+/// Whether it still holds its tissue.
+bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const ToolFrame& end, Acting& acting) const {
+  const Site& site = sites_[point.site];
+  const Vec3 way = -end.turn.col(2);
+  acting.front = edge_at(end, point.place) + point.ahead * way;
+  acting.corners.clear();
+  double parts = 0.0;
+  each_part(site, [&](const auto&) { parts += 1.0; });
+  if (parts == 0.0) return false;
+  each_part(site, [&](const std::vector<Index>& particles) {
+    for (std::size_t v = 0; v < 4; ++v) {
+      const std::size_t slot = touched.slot(particles[v]);
+      const double weight = point.front[static_cast<Eigen::Index>(v)] / parts;
+      const auto known = std::ranges::find(acting.corners, slot, &std::pair<std::size_t, double>::first);
+      if (known == acting.corners.end()) {
+        acting.corners.emplace_back(slot, weight);
+      } else {
+        known->second += weight;
+      }
+    }
+  });
+  Vec3 at = Vec3::Zero();
+  acting.inverse_mass = acting.impulse = 0.0;
+  for (const auto& [slot, weight] : acting.corners) {
+    const TouchedParticles::Touched& particle = touched[slot];
+    at += weight * particle.end(touched.dt());
+    if (!particle.held)
+      acting.inverse_mass += weight * weight * particle.inverse_mass * particle.free_part(way).squaredNorm();
+  }
+  return (acting.front - at).norm() <= left_behind * spacing_;
+}
+
+void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& force) {
+  if (sites_.empty()) return;
+  const ToolFrame end(pose);
+  const Vec3 way = -end.turn.col(2);
+  const double dt = touched.dt(), limit = blade_.toughness * blade_.width / count_ * dt;
+  next_ = points_;
+  find_tissue(touched, end);
+  acting_.resize(next_.size());
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < next_.size(); ++k) {
+    if (!is_whole(sites_[next_[k].site])) {
+      go_on(touched, edge_at(end, next_[k].place), way, next_[k]);
+      next_[k].loads = next_[k].slides;
+    }
+    if (next_[k].site < 0) continue;
+    if (!couple(touched, next_[k], end, acting_[kept])) continue;
+    next_[kept++] = next_[k];
+  }
+  next_.resize(kept);
+  const auto push = [&](const Acting& acting, double impulse) {
+    for (const auto& [slot, weight] : acting.corners) {
+      if (!touched[slot].held) TouchedParticles::push(touched[slot], weight * impulse * way);
+    }
+  };
+  for (int sweep = 0; sweep < edge_sweeps; ++sweep) {
+    for (std::size_t k = 0; k < kept; ++k) {
+      Acting& acting = acting_[k];
+      if (!(acting.inverse_mass > 0.0)) continue;
+      double gap = way.dot(acting.front);
+      for (const auto& [slot, weight] : acting.corners) gap -= weight * way.dot(touched[slot].end(dt));
+      const double to =
+          next_[k].loads ? limit : std::clamp(acting.impulse + gap / (dt * acting.inverse_mass), 0.0, limit);
+      push(acting, to - acting.impulse);
+      acting.impulse = to;
+    }
+  }
+  std::size_t left = 0;
+  found_.clear();
+  for (std::size_t k = 0; k < kept; ++k) {
+    const Acting& acting = acting_[k];
+    for (const auto& [slot, weight] : acting.corners) {
+      const TouchedParticles::Touched& particle = touched[slot];
+      if (acting.impulse == 0.0 || particle.held) continue;
+      const Vec3 given = particle.free_part(weight * acting.impulse * way);
+      force.force -= given / dt;
+      force.torque -= (particle.position - end.position).cross(given) / dt;
+      found_.push_back(particle.particle);
+    }
+    Point& point = next_[k];
+    double gap = way.dot(acting.front);
+    for (const auto& [slot, weight] : acting.corners) gap -= weight * way.dot(touched[slot].end(dt));
+    point.slides = acting.impulse >= limit;
+    if (point.loads) {
+      point.ahead -= gap;
+      if (gap >= 0.0) point.loads = false;
+    } else if (point.slides) {
+      slide(touched, edge_at(end, point.place), way, std::max(0.0, gap), point);
+    }
+    if (point.site >= 0) next_[left++] = point;
+  }
+  next_.resize(left);
+  std::ranges::sort(found_);
+  force.particles += static_cast<int>(std::ranges::unique(found_).begin() - found_.begin());
+}
+
+}  // namespace phymul

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include <phymul/error.h>
+#include <phymul/surface.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "cell_geometry.h"
+
+namespace phymul {
+namespace {
+
+using Corner = Eigen::Vector4d;  // barycentric coordinates in a tetrahedron
+using Polygon = std::vector<Corner>;
+
+/// Of the body's spacing, in weights: vertices that differ by less are one.
+constexpr double one_vertex = 1e-6;
+
+Corner values(const CellCut& cut) {
+  return {cut[0], cut[1], cut[2], cut[3]};
+}
+
+/// Sutherland and Hodgman's clipping: what is above 0.
+void clip(const CellCut& cut, Polygon& polygon) {
+  Polygon clipped;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Corner &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
+    const double here = values(cut).dot(from), there = values(cut).dot(to);
+    if (here >= 0.0) clipped.push_back(from);
+    if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
+  }
+  polygon.swap(clipped);
+}
+
+/// Where a cut crosses the whole cell, in order around it; nothing where it only lies on a face.
+Polygon section(const CellCut& cut) {
+  Polygon found;
+  for (Eigen::Index a = 0; a < 4; ++a) {
+    const double at_a = cut[static_cast<std::size_t>(a)];
+    if (at_a == 0.0) found.emplace_back(Corner::Unit(a));
+    for (Eigen::Index b = 0; b < a; ++b) {
+      const double at_b = cut[static_cast<std::size_t>(b)];
+      if (at_a * at_b >= 0.0) continue;
+      found.emplace_back(at_a / (at_a - at_b) * Corner::Unit(b) + at_b / (at_b - at_a) * Corner::Unit(a));
+    }
+  }
+  const bool parts = std::ranges::any_of(cut, [](double v) { return v > 0.0; }) &&
+                     std::ranges::any_of(cut, [](double v) { return v < 0.0; });
+  if (!parts || found.size() < 3) return {};
+  // Two points of a quadrilateral are neighbours where they share a face: have a coordinate 0 in common.
+  if (found.size() == 4) {
+    const auto share = [&](std::size_t i, std::size_t j) {
+      return ((found[i].array() == 0.0) && (found[j].array() == 0.0)).any();
+    };
+    if (!share(0, 1)) std::swap(found[1], found[2]);
+    if (!share(1, 2)) std::swap(found[2], found[3]);
+  }
+  return found;
+}
+
+class TissueSurfaceBuilder {
+ public:
+  explicit TissueSurfaceBuilder(const Model& model) : model_(model) {}
+
+  TissueSurface build() {
+    // By the particles of a face, ascending: the middles of cells at it. Parts of one cell have one.
+    std::map<std::array<Index, 4>, std::vector<Vec3>> cells_at;
+    each_solid_face([&](const Cell& cell, const std::array<Index, 4>& ring) {
+      std::vector<Vec3>& middles = cells_at[sorted(ring)];
+      const Vec3 middle = cell_centre(cell, model_.rest);
+      if (std::ranges::find(middles, middle) == middles.end()) middles.push_back(middle);
+    });
+    each_solid_face([&](const Cell& cell, const std::array<Index, 4>& ring) {
+      if (cells_at.at(sorted(ring)).size() == 1) add_face(cell, ring);
+    });
+    for (const Cell& cell : model_.cells) {
+      if (is_solid(model_.dimension, cell)) add_cuts(cell);
+    }
+    return std::move(surface_);
+  }
+
+ private:
+  template <class Visit>
+  void each_solid_face(const Visit& visit) const {
+    for (const Cell& cell : model_.cells) {
+      if (!is_solid(model_.dimension, cell)) continue;
+      each_face(3, cell, [&](const std::array<Index, 4>& ring) { visit(cell, ring); });
+    }
+  }
+
+  static std::array<Index, 4> sorted(std::array<Index, 4> ring) {
+    std::ranges::sort(ring);
+    return ring;
+  }
+
+  void add_face(const Cell& cell, const std::array<Index, 4>& ring) {
+    if (cell.type != CellType::tetrahedron) {
+      std::vector<Index> corners;
+      for (const Index i : ring) {
+        if (i >= 0) corners.push_back(vertex({{i, 1.0}}));
+      }
+      add_fan(corners, false);
+      return;
+    }
+    Polygon face;
+    for (std::size_t k = 0; k < 3; ++k) {
+      face.emplace_back(Corner::Unit(std::ranges::find(cell.particles, ring[k]) - cell.particles.begin()));
+    }
+    for (const CellCut& cut : cell.cuts) clip(cut, face);
+    add(cell, face, false);
+  }
+
+  void add_cuts(const Cell& cell) {
+    for (std::size_t k = 0; k < cell.cuts.size(); ++k) {
+      Polygon face = section(cell.cuts[k]);
+      if (face.empty()) continue;
+      // Outward: to where the cut's function is negative.
+      const auto place = [&](const Corner& at) {
+        Vec3 x = Vec3::Zero();
+        for (std::size_t v = 0; v < 4; ++v) x += at[static_cast<Eigen::Index>(v)] * model_.rest[cell.particles[v]];
+        return x;
+      };
+      Eigen::Index inner = 0;
+      values(cell.cuts[k]).maxCoeff(&inner);
+      const Vec3 normal = (place(face[1]) - place(face[0])).cross(place(face[2]) - place(face[0]));
+      if (normal.dot(place(Corner::Unit(inner)) - place(face[0])) > 0.0) std::ranges::reverse(face);
+      for (std::size_t other = 0; other < cell.cuts.size(); ++other) {
+        if (other != k) clip(cell.cuts[other], face);
+      }
+      add(cell, face, true);
+    }
+  }
+
+  void add(const Cell& cell, const Polygon& polygon, bool of_cut) {
+    std::vector<Index> corners;
+    for (const Corner& at : polygon) {
+      std::vector<std::pair<Index, double>> weights;
+      for (std::size_t v = 0; v < 4; ++v) {
+        const double weight = at[static_cast<Eigen::Index>(v)];
+        if (std::abs(weight) > one_vertex) weights.emplace_back(cell.particles[v], weight);
+      }
+      const Index made = vertex(std::move(weights));
+      if (corners.empty() || (corners.back() != made && corners.front() != made)) corners.push_back(made);
+    }
+    add_fan(corners, of_cut);
+  }
+
+  void add_fan(const std::vector<Index>& corners, bool of_cut) {
+    for (std::size_t k = 2; k < corners.size(); ++k) {
+      surface_.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+      surface_.of_cut.push_back(static_cast<char>(of_cut));
+    }
+  }
+
+  Index vertex(std::vector<std::pair<Index, double>> weights) {
+    std::ranges::sort(weights);
+    std::vector<std::pair<Index, std::int64_t>> key;
+    for (const auto& [i, weight] : weights) key.emplace_back(i, std::llround(weight / one_vertex));
+    const auto [known, is_new] = known_.try_emplace(std::move(key), static_cast<Index>(surface_.vertices.size()));
+    if (is_new) {
+      TissueVertex& made = surface_.vertices.emplace_back();
+      for (std::size_t k = 0; k < weights.size(); ++k) {
+        made.particles[k] = weights[k].first;
+        made.weights[k] = weights[k].second;
+      }
+    }
+    return known->second;
+  }
+
+  const Model& model_;
+  TissueSurface surface_;
+  std::map<std::vector<std::pair<Index, std::int64_t>>, Index> known_;
+};
+
+}  // namespace
+
+TissueSurface tissue_surface(const Model& model) {
+  validate(model);
+  if (model.dimension == 2) throw Error("tissue_surface: expected a body in three dimensions");
+  return TissueSurfaceBuilder(model).build();
+}
+
+VecList TissueSurface::at(std::span<const Vec3> position) const {
+  VecList places;
+  places.reserve(vertices.size());
+  for (const TissueVertex& vertex : vertices) {
+    Vec3& x = places.emplace_back(Vec3::Zero());
+    for (std::size_t k = 0; k < 4 && vertex.particles[k] >= 0; ++k)
+      x += vertex.weights[k] * position[vertex.particles[k]];
+  }
+  return places;
+}
+
+}  // namespace phymul

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+//
+// What the blades of a scene cut: cells of whose section with the blade's plane the edge has passed the middle.
+#include <phymul/error.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "interaction/tool_frame.h"
+#include "simulation_parts.h"
+
+namespace phymul {
+namespace {
+
+/// Of a spacing: a particle that is so near to a blade's plane as to a cut of a cell beside it is as near as to the
+/// cut, so that strokes go on in older ones and a cut keeps its surface while tissue moves.
+constexpr double same_cut = 0.5;
+/// Of distances of a cell's corners from a cut and from a blade: the correlation above which the two are one cut.
+constexpr double parallel = 0.8;
+
+/// The edge of a blade at one instant, and where it has been since the last time, in its own frame.
+class EdgeNow {
+ public:
+  EdgeNow(const Blade& blade, const ToolPose& pose, const ToolPose& last, const Model& model, const BodyEdit& edit,
+          const VecList& position, const std::vector<BladePoint>& points)
+      : blade_(blade),
+        model_(model),
+        edit_(edit),
+        position_(position),
+        points_(points),
+        frame_(pose),
+        spacing_(edit.spacing()),
+        behind_(spacing_ + std::max(0.0, frame_.inside(last.position).z())) {}
+
+  /// Rows of cells with a corner near it, ascending.
+  std::vector<Index> cells() const {
+    const double around = 2.0 * spacing_;
+    const Vec3 high(0.5 * blade_.width + around, around, behind_ + around);
+    const Vec3 low(-high.x(), -high.y(), -around);
+    std::vector<Index> found;
+    for (std::size_t i = 0; i < position_.size(); ++i) {
+      const Vec3 q = frame_.inside(position_[i]);
+      if ((q.array() < low.array()).any() || (q.array() > high.array()).any()) continue;
+      found.insert(found.end(), edit_.cells_of()[i].begin(), edit_.cells_of()[i].end());
+    }
+    std::ranges::sort(found);
+    const auto again = std::ranges::unique(found);
+    found.erase(again.begin(), again.end());
+    std::erase_if(found, [&](Index row) {
+      const Cell& cell = model_.cells[row];
+      if (cell.share == 0.0) return true;
+      const auto [least, most] = std::ranges::minmax(cell.particles, {}, [&](Index i) { return distance(i); });
+      return !(distance(least) <= 0.0 && distance(most) >= 0.0);
+    });
+    return found;
+  }
+
+  double distance(Index i) const {
+    const auto [known, is_new] = distance_.try_emplace(i, 0.0);
+    if (is_new) known->second = found_distance(i);
+    return known->second;
+  }
+
+  bool passed(Index row, const Eigen::Vector4d& middle) const {
+    Vec3 place = Vec3::Zero();
+    for (std::size_t v = 0; v < 4; ++v) {
+      place += middle[static_cast<Eigen::Index>(v)] * position_[model_.cells[row].particles[v]];
+    }
+    const Vec3 q = frame_.inside(place);
+    return std::abs(q.x()) < 0.5 * blade_.width && q.z() > -lead_of_front * spacing_ && q.z() < behind_ &&
+           std::abs(q.y()) < spacing_ && overcomes(q.x()) && !is_cut_here(model_.cells[row]);
+  }
+
+ private:
+  /// Whether tissue at this place along the edge has got all the force that it can bear.
+  bool overcomes(double along) const {
+    if (blade_.toughness == 0.0) return true;
+    const BladePoint* nearest = nullptr;
+    for (const BladePoint& point : points_) {
+      const double apart = std::abs(point.along - along);
+      if (apart < spacing_ && (nearest == nullptr || apart < std::abs(nearest->along - along))) nearest = &point;
+    }
+    return nearest != nullptr && (nearest->slides || nearest->loads);
+  }
+
+  /// Whether a cut of the cell is this one, although tissue has moved since.
+  bool is_cut_here(const Cell& cell) const {
+    std::array<double, 4> own{};
+    for (std::size_t v = 0; v < 4; ++v) own[v] = frame_.inside(position_[cell.particles[v]]).y();
+    return std::ranges::any_of(cell.cuts, [&](const CellCut& cut) {
+      double product = 0.0, of_cut = 0.0, of_own = 0.0;
+      for (std::size_t v = 0; v < 4; ++v) {
+        product += cut[v] * own[v];
+        of_cut += cut[v] * cut[v];
+        of_own += own[v] * own[v];
+      }
+      return product * product > parallel * parallel * of_cut * of_own;
+    });
+  }
+
+  double found_distance(Index i) const {
+    const double own = frame_.inside(position_[i]).y();
+    double shortest = HUGE_VAL, nearest = same_cut * spacing_, of_cut = own;
+    for (const Index row : edit_.cells_of()[i]) {
+      const Cell& cell = model_.cells[row];
+      for (const Index j : cell.particles) {
+        if (j != i) shortest = std::min(shortest, (model_.rest[i] - model_.rest[j]).norm());
+      }
+      for (const CellCut& cut : cell.cuts) {
+        double same_way = 0.0, value = 0.0;
+        for (std::size_t v = 0; v < 4; ++v) {
+          same_way += cut[v] * frame_.inside(position_[cell.particles[v]]).y();
+          if (cell.particles[v] == i) value = cut[v];
+        }
+        if (same_way < 0.0) value = -value;
+        if (std::abs(value - own) >= nearest) continue;
+        nearest = std::abs(value - own);
+        of_cut = value;
+      }
+    }
+    if (nearest < same_cut * spacing_) return of_cut;
+    return std::abs(own) < on_cut_surface * shortest ? 0.0 : own;
+  }
+
+  const Blade& blade_;
+  const Model& model_;
+  const BodyEdit& edit_;
+  const VecList& position_;
+  const std::vector<BladePoint>& points_;
+  const ToolFrame frame_;
+  const double spacing_;
+  const double behind_;  // m, that the edge may have gone since the last time
+  mutable std::unordered_map<Index, double> distance_;
+};
+
+}  // namespace
+
+void Simulation::Parts::cut_with_blades(StepReport& report) {
+  bool changed = false;
+  for (const SceneTool& tool : scene.tools()) {
+    const auto* const blade = std::get_if<Blade>(&tool.tool.shape);
+    if (blade == nullptr) continue;
+    const State now = solver().read();
+    const auto own = std::ranges::find(now.tools, tool.name, &ToolState::name);
+    if (own == now.tools.end()) continue;
+    const ToolPose& pose = solver().tool_pose(tool.name);
+    const ToolPose last = std::exchange(blade_poses.try_emplace(tool.id, pose).first->second, pose);
+    const EdgeNow edge(*blade, pose, last, model, body_edit(), now.position, own->blade);
+    const std::vector<Index> cells = edge.cells();
+    if (cells.empty()) continue;
+    if (solver().substeps() > 1) {
+      report.uncut += static_cast<int>(cells.size());
+      continue;
+    }
+    std::size_t refused = 0;
+    BodyCut found =
+        body_edit().find_cut({.cells = cells,
+                              .distance = [&](Index i) { return edge.distance(i); },
+                              .passed = [&](Index row, const auto& middle) { return edge.passed(row, middle); },
+                              .who = "the blade",
+                              .refused = &refused});
+    report.uncut += static_cast<int>(refused);
+    if (found.empty()) continue;
+    BodyCuts all = topology->cuts;
+    all.push_back(std::make_shared<const BodyCut>(std::move(found)));
+    set_body(topology->removed, all);
+    changed = true;
+  }
+  if (changed && recorder) recorder->body_changed();
+}
+
+}  // namespace phymul
