@@ -152,10 +152,10 @@ phymul_status phymul_remove_cells(phymul_simulation* sim, const int32_t* cells, 
 phymul_status phymul_cut(phymul_simulation* sim, const double point[3], const double normal[3],
                          const double* front_point, const double* front_normal, int32_t* whether) {
   return guarded([&] {
-    const Place<int32_t> place(whether, "a place for whether anything was cut");
     CutSurface cut = cut_plane(vector(point, "a point"), vector(normal, "a normal"));
     if (front_point) cut.front = cut_plane(vector(front_point, "a point"), vector(front_normal, "a normal")).distance;
-    *whether = of(sim).cut(cut) ? 1 : 0;
+    const bool parted = of(sim).cut(cut);
+    if (whether) *whether = parted ? 1 : 0;
   });
 }
 

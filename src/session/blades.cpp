@@ -17,6 +17,8 @@ namespace {
 /// Of a spacing: a particle that is so near to a blade's plane as to a cut of a cell beside it is as near as to the
 /// cut, so that strokes go on in older ones and a cut keeps its surface while tissue moves.
 constexpr double same_cut = 0.5;
+/// Spacings from the middle of a section to a corner of its cell, at most.
+constexpr double longest_edge = 2.0;
 /// Of distances of a cell's corners from a cut and from a blade: the correlation above which the two are one cut.
 constexpr double parallel = 0.8;
 
@@ -25,35 +27,36 @@ class EdgeNow {
  public:
   EdgeNow(const Blade& blade, const ToolPose& pose, const ToolPose& last, const Model& model, const BodyEdit& edit,
           const VecList& position, const std::vector<BladePoint>& points)
-      : blade_(blade),
-        model_(model),
-        edit_(edit),
-        position_(position),
-        points_(points),
-        frame_(pose),
-        spacing_(edit.spacing()),
-        behind_(spacing_ + std::max(0.0, frame_.inside(last.position).z())) {}
+      : blade_(blade), model_(model), edit_(edit), points_(points), spacing_(edit.spacing()) {
+    const ToolFrame frame(pose);
+    behind_ = spacing_ + std::max(0.0, frame.inside(last.position).z());
+    place_.reserve(position.size());
+    for (const Vec3& x : position) place_.push_back(frame.inside(x));
+  }
 
-  /// Rows of cells with a corner near it, ascending.
+  /// Rows of cells that its plane crosses around it, ascending.
   std::vector<Index> cells() const {
-    const double around = 2.0 * spacing_;
+    const double around = longest_edge * spacing_, off = same_cut * spacing_;
     const Vec3 high(0.5 * blade_.width + around, around, behind_ + around);
     const Vec3 low(-high.x(), -high.y(), -around);
     std::vector<Index> found;
-    for (std::size_t i = 0; i < position_.size(); ++i) {
-      const Vec3 q = frame_.inside(position_[i]);
-      if ((q.array() < low.array()).any() || (q.array() > high.array()).any()) continue;
-      found.insert(found.end(), edit_.cells_of()[i].begin(), edit_.cells_of()[i].end());
+    std::vector<char> seen(model_.cells.size(), 0);
+    for (std::size_t i = 0; i < place_.size(); ++i) {
+      if ((place_[i].array() < low.array()).any() || (place_[i].array() > high.array()).any()) continue;
+      for (const Index row : edit_.cells_of()[i]) {
+        if (std::exchange(seen[row], 1) != 0 || model_.cells[row].share == 0.0) continue;
+        const auto crossed = [&](const auto& y, double by) {
+          const auto [least, most] = std::ranges::minmax(model_.cells[row].particles, {}, y);
+          return y(least) <= by && y(most) >= -by;
+        };
+        // First without the cuts around, which can move it by so much.
+        if (crossed([&](Index k) { return place_[k].y(); }, off) &&
+            crossed([&](Index k) { return distance(k); }, 0.0)) {
+          found.push_back(row);
+        }
+      }
     }
     std::ranges::sort(found);
-    const auto again = std::ranges::unique(found);
-    found.erase(again.begin(), again.end());
-    std::erase_if(found, [&](Index row) {
-      const Cell& cell = model_.cells[row];
-      if (cell.share == 0.0) return true;
-      const auto [least, most] = std::ranges::minmax(cell.particles, {}, [&](Index i) { return distance(i); });
-      return !(distance(least) <= 0.0 && distance(most) >= 0.0);
-    });
     return found;
   }
 
@@ -64,11 +67,10 @@ class EdgeNow {
   }
 
   bool passed(Index row, const Eigen::Vector4d& middle) const {
-    Vec3 place = Vec3::Zero();
+    Vec3 q = Vec3::Zero();
     for (std::size_t v = 0; v < 4; ++v) {
-      place += middle[static_cast<Eigen::Index>(v)] * position_[model_.cells[row].particles[v]];
+      q += middle[static_cast<Eigen::Index>(v)] * place_[model_.cells[row].particles[v]];
     }
-    const Vec3 q = frame_.inside(place);
     return std::abs(q.x()) < 0.5 * blade_.width && q.z() > -lead_of_front * spacing_ && q.z() < behind_ &&
            std::abs(q.y()) < spacing_ && overcomes(q.x()) && !is_cut_here(model_.cells[row]);
   }
@@ -88,7 +90,7 @@ class EdgeNow {
   /// Whether a cut of the cell is this one, although tissue has moved since.
   bool is_cut_here(const Cell& cell) const {
     std::array<double, 4> own{};
-    for (std::size_t v = 0; v < 4; ++v) own[v] = frame_.inside(position_[cell.particles[v]]).y();
+    for (std::size_t v = 0; v < 4; ++v) own[v] = place_[cell.particles[v]].y();
     return std::ranges::any_of(cell.cuts, [&](const CellCut& cut) {
       double product = 0.0, of_cut = 0.0, of_own = 0.0;
       for (std::size_t v = 0; v < 4; ++v) {
@@ -101,7 +103,7 @@ class EdgeNow {
   }
 
   double found_distance(Index i) const {
-    const double own = frame_.inside(position_[i]).y();
+    const double own = place_[i].y();
     double shortest = HUGE_VAL, nearest = same_cut * spacing_, of_cut = own;
     for (const Index row : edit_.cells_of()[i]) {
       const Cell& cell = model_.cells[row];
@@ -111,7 +113,7 @@ class EdgeNow {
       for (const CellCut& cut : cell.cuts) {
         double same_way = 0.0, value = 0.0;
         for (std::size_t v = 0; v < 4; ++v) {
-          same_way += cut[v] * frame_.inside(position_[cell.particles[v]]).y();
+          same_way += cut[v] * place_[cell.particles[v]].y();
           if (cell.particles[v] == i) value = cut[v];
         }
         if (same_way < 0.0) value = -value;
@@ -127,11 +129,10 @@ class EdgeNow {
   const Blade& blade_;
   const Model& model_;
   const BodyEdit& edit_;
-  const VecList& position_;
   const std::vector<BladePoint>& points_;
-  const ToolFrame frame_;
   const double spacing_;
-  const double behind_;  // m, that the edge may have gone since the last time
+  double behind_ = 0.0;  // m, that the edge may have gone since the last time
+  VecList place_;        // [N] m, of particles in the blade's frame
   mutable std::unordered_map<Index, double> distance_;
 };
 

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+//
+// The surface of what cuts and removals leave.
+#include <gtest/gtest.h>
+#include <phymul/monitor.h>
+#include <phymul/phymul.h>
+#include <phymul/surface.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "support/message_of.h"
+#include "support/removable_body.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+struct Measures {
+  double volume = 0.0, of_cut = 0.0, outside = 0.0;  // m^3, m^2
+};
+
+Measures measures(const TissueSurface& surface, const VecList& x) {
+  Measures found;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& [a, b, c] = surface.triangles[t];
+    found.volume += x[a].dot(x[b].cross(x[c])) / 6.0;
+    (surface.of_cut[t] != 0 ? found.of_cut : found.outside) += 0.5 * (x[b] - x[a]).cross(x[c] - x[a]).norm();
+  }
+  return found;
+}
+
+TEST(TissueSurface, EnclosesWhatIsLeft) {
+  Model model = slab();
+  set_material(model, {5e3, 0.4, 1000.0});
+  Simulation sim(with_spare_particles(model, 900), {.backend = "reference"});
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int k = 0; k < 12; ++k) {
+    if (k % 3 == 0) sim.restore(Simulation(with_spare_particles(model, 900), {.backend = "reference"}).snapshot());
+    const Vec3 through = model.rest[random() % 100], edge(any(random), any(random), any(random));
+    CutSurface cut = cut_plane(through, Vec3(any(random), any(random), any(random)));
+    if (k % 2 == 0) cut.front = [=](const Vec3& x) { return edge.dot(x - through); };
+    sim.cut(cut);
+    if (k % 4 == 3) sim.remove_cells(cells_within(sim.model(), through, 0.012));
+    const TissueSurface surface = tissue_surface(sim.model());
+    EXPECT_NEAR(measures(surface, surface.at(sim.model().rest)).volume / volume(sim.model(), sim.model().rest), 1.0,
+                1e-6)
+        << k;
+  }
+}
+
+TEST(TissueSurface, HasBothFacesOfACut) {
+  Simulation sim(with_spare_particles(slab(), 300), options_for("reference"));
+  const TissueSurface whole = tissue_surface(sim.model());
+  EXPECT_EQ(whole.triangles.size(), surface_triangles(sim.model()).size());
+  EXPECT_NEAR(measures(whole, whole.at(sim.model().rest)).outside, 2 * (0.06 * 0.04 + 0.06 * 0.03 + 0.04 * 0.03), 1e-9);
+  // Between particles: where the surface passes near one it goes through it.
+  CutSurface cut = cut_plane({0.0355, 0.0, 0.0}, {1.0, 0.0, 0.0});
+  ASSERT_TRUE(sim.cut(cut));
+  const TissueSurface parted = tissue_surface(sim.model());
+  const Measures found = measures(parted, parted.at(sim.model().rest));
+  EXPECT_NEAR(found.of_cut / (2.0 * 0.04 * 0.03), 1.0, 0.02);
+  EXPECT_NEAR(found.outside, 2 * (0.06 * 0.04 + 0.06 * 0.03 + 0.04 * 0.03), 1e-9);
+}
+
+/// Where a cut ends inside the body, both parts of a cell have one face of the surface.
+TEST(TissueSurface, OfTrianglesHasNoHoleAtTheFront) {
+  Simulation sim(with_spare_particles(slab(), 300), options_for("reference"));
+  const auto area = [](const Model& model) {
+    double sum = 0.0;
+    for (const auto& [a, b, c] : surface_triangles(model)) {
+      sum += 0.5 * (model.rest[b] - model.rest[a]).cross(model.rest[c] - model.rest[a]).norm();
+    }
+    return sum;
+  };
+  const double whole = area(sim.model());
+  CutSurface cut = cut_plane({0.0355, 0.0, 0.0}, {1.0, 0.0, 0.0});
+  cut.front = [](const Vec3& x) { return x.y() - 0.02; };
+  ASSERT_TRUE(sim.cut(cut));
+  EXPECT_GE(area(sim.model()), whole * (1.0 - 1e-12));
+}
+
+TEST(TissueSurface, RefusesPlanes) {
+  EXPECT_TRUE(says(message_of([] { tissue_surface(make_strip(0.06, 0.03, 8, 4)); }), "three dimensions"));
+}
+
+}  // namespace
+}  // namespace phymul
