@@ -240,7 +240,7 @@ class Scene {
   /// Says that cells of the model were removed, brought back or cut (Simulation calls it): what depends on
   /// surface and masses follows. Particles without mass stay at their rest places, nothing touches or pulls them, and
   /// springs of joints that end at one are broken.
-  /// `cuts`: all that the body has. Loads on particles through which one passes act on the copies there, too.
+  /// `cuts`: all that the body has. What is imposed on a particle, and an acceleration, is so on its copies as well.
   void body_changed(const BodyCuts& cuts = {});
   std::uint64_t body_version() const { return body_version_; }  ///< counts its calls
   std::uint64_t version() const { return version_; }
@@ -296,9 +296,9 @@ class Scene {
   std::uint64_t version_ = 0, values_version_ = 0;
   // Of body_changed():
   std::uint64_t body_version_ = 0;
-  std::vector<Index> removed_;                // particles without mass
-  std::vector<std::array<Index, 2>> copies_;  // that lie on cuts, and what they copy
-  std::vector<char> open_volumes_;            // per volume constraint there was
+  std::vector<Index> removed_;         // particles without mass
+  std::vector<BodyCut::Copy> copies_;  // of all cuts
+  std::vector<char> open_volumes_;     // per volume constraint there was
 };
 
 }  // namespace phymul

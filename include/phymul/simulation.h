@@ -100,13 +100,13 @@ class Simulation {
   void remove_cells(std::span<const Index> cells);
   const std::vector<Index>& removed_cells() const;  ///< ascending
 
-  /// Cuts the body along a surface in its rest shape, as cut_body() does; what is left keeps its motion. Copies are made
-  /// of the model's spare particles (with_spare_particles), so that numbers of particles stay; cells that part get a
-  /// second row after all others. Groups and loads get the copies of particles through which the cut passes; otherwise
-  /// joints, needles and tools stay at the particle of the same number, which is on its own side. What else depends on
-  /// the body follows as in remove_cells(); restore() and rewind() undo cuts and make them again. Returns whether
-  /// anything was cut. Throws Error, and cuts nothing, as cut_body() and remove_cells() do, and (not_supported) where the
-  /// spare particles do not suffice.
+  /// Cuts the body along a surface in its rest shape, as cut_body() does; what is left keeps its motion. Copies are
+  /// made of the model's spare particles (with_spare_particles), so that numbers of particles stay; cells that part get
+  /// a second row after all others. Groups get the copies of particles through which the cut passes; what is imposed on
+  /// a particle is on all of its copies. Forces, joints, needles and tools stay at the particle of the same number,
+  /// which is on its own side. What else depends on the body follows as in remove_cells(); restore() and rewind() undo
+  /// cuts and make them again. Returns whether anything was cut. Throws Error, and cuts nothing, as cut_body() and
+  /// remove_cells() do, and (not_supported) where the spare particles do not suffice.
   bool cut(const CutSurface& surface);
   const BodyCuts& cuts() const;  ///< those that the body has, in order
 

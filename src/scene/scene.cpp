@@ -282,22 +282,23 @@ Scene& Scene::clear() {
   return *this;
 }
 
+/// What is imposed on a particle, and an acceleration, is on all of its tissue; pressure on faces at a cut is on those
+/// of particles through which it passes; a force stays at the particle.
 void Scene::follow_copies(const BodyCuts& cuts) {
-  std::vector<std::array<Index, 2>> now;
-  for (const auto& cut : cuts) {
-    for (const BodyCut::Copy& copy : cut->copies) {
-      if (copy.shared) now.push_back({copy.particle, copy.of});
-    }
-  }
+  std::vector<BodyCut::Copy> now;
+  for (const auto& cut : cuts) now.insert(now.end(), cut->copies.begin(), cut->copies.end());
   const auto stays = std::ranges::mismatch(copies_, now);
   for (std::size_t row = 0; row < loads_.size(); ++row) {
+    const LoadType type = loads_[row].type;
+    const bool on_all = imposes(type) || type == LoadType::acceleration;
     std::vector<Index>& particles = loads_[row].particles;
     const std::size_t before = particles.size();
-    for (auto old = stays.in1; old != copies_.end(); ++old) std::erase(particles, (*old)[0]);
+    for (auto old = stays.in1; old != copies_.end(); ++old) std::erase(particles, old->particle);
     bool changed = particles.size() != before;
     for (auto added = stays.in2; added != now.end(); ++added) {
-      if (std::ranges::find(particles, (*added)[1]) == particles.end()) continue;
-      particles.push_back((*added)[0]);
+      if (!on_all && !(type == LoadType::pressure && added->shared)) continue;
+      if (std::ranges::find(particles, added->of) == particles.end()) continue;
+      particles.push_back(added->particle);
       changed = true;
     }
     if (changed) actions_[row] = prepared(loads_[row]);
