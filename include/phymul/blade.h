@@ -26,7 +26,6 @@ struct BladePoint {
   double along = 0.0;               ///< m, from the middle of the edge
   double ahead = 0.0;               ///< m, of the edge
   bool slides = false;              ///< the force was at its limit in the last step
-  bool loads = false;  ///< tissue is pushed at that limit, whatever its place, since what was held before was cut
   bool operator==(const BladePoint&) const = default;
 };
 

@@ -176,20 +176,14 @@ void BladeEdge::slide(const TouchedParticles& touched, const Vec3& edge, const V
     return;
   }
   go_on(touched, edge, way, point);
-  point.loads = true;
 }
 
 std::vector<BladePoint> BladeEdge::state() const {
   std::vector<BladePoint> state;
   for (const Point& point : points_) {
     const Weights& w = point.front;
-    state.push_back({point.place,
-                     sites_[point.site].row,
-                     {w[0], w[1], w[2], w[3]},
-                     along(point.place),
-                     point.ahead,
-                     point.slides,
-                     point.loads});
+    state.push_back(
+        {point.place, sites_[point.site].row, {w[0], w[1], w[2], w[3]}, along(point.place), point.ahead, point.slides});
   }
   return state;
 }
@@ -201,7 +195,7 @@ void BladeEdge::restore(const std::vector<BladePoint>& state) {
     const Index site = known ? site_of_row_[point.cell] : -1;
     if (site < 0) continue;
     const auto& w = point.weights;
-    points_.push_back({point.place, site, Weights(w[0], w[1], w[2], w[3]), point.ahead, point.slides, point.loads});
+    points_.push_back({point.place, site, Weights(w[0], w[1], w[2], w[3]), point.ahead, point.slides});
   }
   next_ = points_;
 }
@@ -325,10 +319,7 @@ void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& 
   acting_.resize(next_.size());
   std::size_t kept = 0;
   for (std::size_t k = 0; k < next_.size(); ++k) {
-    if (!is_whole(sites_[next_[k].site])) {
-      go_on(touched, edge_at(end, next_[k].place), way, next_[k]);
-      next_[k].loads = next_[k].slides;
-    }
+    if (!is_whole(sites_[next_[k].site])) go_on(touched, edge_at(end, next_[k].place), way, next_[k]);
     if (next_[k].site < 0) continue;
     if (!couple(touched, next_[k], end, acting_[kept])) continue;
     next_[kept++] = next_[k];
@@ -345,8 +336,7 @@ void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& 
       if (!(acting.inverse_mass > 0.0)) continue;
       double gap = way.dot(acting.front);
       for (const auto& [slot, weight] : acting.corners) gap -= weight * way.dot(touched[slot].end(dt));
-      const double to =
-          next_[k].loads ? limit : std::clamp(acting.impulse + gap / (dt * acting.inverse_mass), 0.0, limit);
+      const double to = std::clamp(acting.impulse + gap / (dt * acting.inverse_mass), 0.0, limit);
       push(acting, to - acting.impulse);
       acting.impulse = to;
     }
@@ -364,14 +354,11 @@ void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& 
       found_.push_back(particle.particle);
     }
     Point& point = next_[k];
-    double gap = way.dot(acting.front);
-    for (const auto& [slot, weight] : acting.corners) gap -= weight * way.dot(touched[slot].end(dt));
     point.slides = acting.impulse >= limit;
-    if (point.loads) {
-      point.ahead -= gap;
-      if (gap >= 0.0) point.loads = false;
-    } else if (point.slides) {
-      slide(touched, edge_at(end, point.place), way, std::max(0.0, gap), point);
+    if (point.slides) {
+      double by = way.dot(acting.front);
+      for (const auto& [slot, weight] : acting.corners) by -= weight * way.dot(touched[slot].end(dt));
+      slide(touched, edge_at(end, point.place), way, std::max(0.0, by), point);
     }
     if (point.site >= 0) next_[left++] = point;
   }

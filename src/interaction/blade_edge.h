@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// The edge of a blade in tissue: points along it hold the tissue that they have reached, ahead of the cut, until the
-// force per length of edge is the toughness; then they move on in it. Impulses on where a step would take the
-// particles, each within its limit, point after point, several times over (projected Gauss-Seidel, as in
-// needle_path.h). Cells part as wholes, so that a cut is ahead of the edge by a part of a cell, and the tissue there
-// was not loaded when the cell parted. It is pushed with the force that there was until it goes no farther, because the
-// front of a true cut takes its load along. Without that the force falls with each cell and is 6 to 15 % too small in
-// the mean.
+// The edge of a blade in tissue: points along it hold the tissue that they have reached until the force per length of
+// edge is the toughness; then they slide on in it. Cells part as wholes, so that a cut is ahead of the edge by a part
+// of a cell: there the edge holds the next tissue that is whole. Impulses on where a step would take the particles,
+// each within its limit, point after point, several times over (projected Gauss-Seidel, as in needle_path.h).
 #pragma once
 
 #include <phymul/blade.h>
@@ -51,8 +48,8 @@ class BladeEdge {
     Index place = -1;  // along the edge
     Index site = -1;
     Weights front = Weights::Zero();
-    double ahead = 0.0;  // m, of the edge
-    bool slides = false, loads = false;
+    double ahead = 0.0;   // m, of the edge
+    bool slides = false;  // BladePoint
   };
   /// A point in one step.
   struct Acting {

@@ -84,7 +84,7 @@ class EdgeNow {
       const double apart = std::abs(point.along - along);
       if (apart < spacing_ && (nearest == nullptr || apart < std::abs(nearest->along - along))) nearest = &point;
     }
-    return nearest != nullptr && (nearest->slides || nearest->loads);
+    return nearest != nullptr && nearest->slides;
   }
 
   /// Whether a cut of the cell is this one, although tissue has moved since.

@@ -95,14 +95,13 @@ void take_scene(ByteReader& in, Snapshot& snapshot) {
 
 template <class Bytes, class Points>
 void blade_fields(Bytes& bytes, Points& points) {
-  bytes.list(points, 58, "a number of points of a blade", [&](auto& point) {
+  bytes.list(points, 57, "a number of points of a blade", [&](auto& point) {
     bytes.field(point.place, "a place along an edge");
     bytes.field(point.cell, "a cell");
     for (auto& weight : point.weights) bytes.field(weight, "a weight");
     bytes.field(point.along, "a place along an edge");
     bytes.field(point.ahead, "a distance from an edge");
     bytes.field(point.slides, "whether an edge slides");
-    bytes.field(point.loads, "whether an edge pushes at its limit");
   });
 }
 
