@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 namespace phymul::input_kind {
@@ -18,8 +19,12 @@ inline constexpr std::string_view pose = "pose";            ///< a tool's name, 
 inline constexpr std::string_view grasp = "grsp";       ///< a tool's name, whether it grasps (u8), the distance (f64)
 inline constexpr std::string_view checkpoint = "chck";  ///< fingerprint of the snapshot (u64), time (f64)
 inline constexpr std::string_view removed = "cell";     ///< rows of the cells that are removed from then on (i32 each)
+inline constexpr std::string_view thread = "thrd";      ///< a thread's name, ThreadChange (u8), what changed
 
-inline constexpr std::array all{step, to_rest, to_rest_damped, restore, scene, pose, grasp, checkpoint, removed};
+inline constexpr std::array all{step, to_rest, to_rest_damped, restore, scene,
+                                pose, grasp,   checkpoint,     removed, thread};
+
+enum class ThreadChange : std::uint8_t { control, adds, removes };
 
 inline bool is_own(std::string_view kind) {
   return std::find(all.begin(), all.end(), kind) != all.end();

@@ -10,13 +10,15 @@
 
 #include "base/fnv.h"
 #include "joint_bytes.h"
+#include "thread_bytes.h"
 #include "tool_bytes.h"
 
 namespace phymul {
 namespace {
 
 /// Parts in the bytes alone, so that files are read that were written before snapshots had them.
-constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells";
+constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
+                     *threads_part = "threads", *scene_threads_part = "scene threads";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -108,7 +110,10 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   const bool moved = snapshot.growth != 0.0 || snapshot.max_speed != 0.0;
   with_scene = with_scene && snapshot.scene;
   const bool removed = !snapshot.removed_cells.empty();
-  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0) + (removed ? 1 : 0));
+  const bool threads = !snapshot.state.threads.empty();
+  const bool scene_threads = with_scene && !snapshot.scene->threads.empty();
+  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0) + (removed ? 1 : 0) + (threads ? 1 : 0) +
+          (scene_threads ? 1 : 0));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
@@ -125,6 +130,18 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     cells.field(snapshot.removed_cells, "");
     out.text(removed_part);
     out.text(cells.bytes());
+  }
+  if (scene_threads) {
+    ByteWriter all;
+    put_threads(all, snapshot.scene->threads);
+    out.text(scene_threads_part);
+    out.text(all.bytes());
+  }
+  if (threads) {
+    ByteWriter states;
+    put_thread_states(states, snapshot.state.threads);
+    out.text(threads_part);
+    out.text(states.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -173,6 +190,18 @@ Snapshot take_snapshot(ByteReader& in) {
       if (std::ranges::adjacent_find(snapshot.removed_cells, std::greater_equal()) != snapshot.removed_cells.end()) {
         in.fail("expected rows of removed cells in increasing order; the file is damaged");
       }
+      continue;
+    }
+    if (part.name == scene_threads_part) {
+      SceneParts with = snapshot.scene ? *snapshot.scene : SceneParts{};
+      with.threads = take_threads(bytes);
+      bytes.expect_end("the scene's threads");
+      snapshot.scene = std::make_shared<const SceneParts>(std::move(with));
+      continue;
+    }
+    if (part.name == threads_part) {
+      snapshot.state.threads = take_thread_states(bytes);
+      bytes.expect_end("the threads");
       continue;
     }
     if (part.name == motion_part) {
