@@ -212,6 +212,13 @@ TEST(Thread, BreaksWhereItsTensionIsTooLarge) {
   EXPECT_GT(solver->thread_state(thread).position.back().x(), 0.2) << "the part that broke off flies";
 }
 
+TEST(Thread, KeepsAutoOnTheProcessor) {
+  Model model = loose_particles({Vec3(9, 9, 9)}, 1.0);
+  Scene scene(model);
+  scene.add_thread({}, Vec3::Zero(), {1, 0, 0});
+  EXPECT_NE(loose_solver("auto", model, scene)->backend_reason().find("the scene has threads"), std::string_view::npos);
+}
+
 TEST(Thread, RefusesWhatItCannotBe) {
   Model model = loose_particles({Vec3(9, 9, 9)}, 1.0);
   Scene scene(model);
