@@ -158,19 +158,21 @@ class SolverBackend : public Solver {
   virtual void do_snapshot(Snapshot& snapshot) const;
   virtual void do_restore(const Snapshot& snapshot);
   /// Which part of the scene or body this backend does not support, one sentence of static text; null: none. The
-  /// default names needles, ToolContact::surface, substeps, joints, materials that dissipate, stiffness factors and
-  /// contacts; and tools and volume constraints unless the two functions below return true.
+  /// default names needles, ToolContact::surface, threads, substeps, joints, materials that dissipate, stiffness
+  /// factors and contacts; and tools and volume constraints unless the two functions below return true.
   virtual const char* do_cannot() const;
   virtual bool do_takes_tools() const { return false; }
-  virtual bool do_takes_volumes() const { return false; }           ///< Scene::constrain_volume
-  virtual const ToolReport& do_tool_report(std::size_t row) const;  ///< of Scene::tools(), as of the last step
-  virtual void do_profile() const {}                                ///< updates profiling(), which is not null
+  virtual bool do_takes_volumes() const { return false; }             ///< Scene::constrain_volume
+  virtual const ToolReport& do_tool_report(std::size_t row) const;    ///< of Scene::tools(), as of the last step
+  virtual const ThreadState& do_thread_state(std::size_t row) const;  ///< of Scene::threads(), likewise
+  virtual void do_profile() const {}                                  ///< updates profiling(), which is not null
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
                                              const SolverOptions&);
   const ToolReport& tool_report(std::size_t row) const final;
   void bring_back_reports(const Snapshot& snapshot);
   const JointReport& joint_report_at(std::size_t row) const final;
+  const ThreadState& thread_state_at(std::size_t row) const final { return do_thread_state(row); }
   double step_limit(const Damping& damping) const;  // s
   double stiffness_factor() const;                  // by which the scene's raise the spectrum at most
   Spectrum spectrum() const;                        // a bound, of materials as stiff as the scene makes them

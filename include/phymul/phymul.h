@@ -38,6 +38,7 @@
 #include <phymul/surface_file.h>
 #include <phymul/surface_patch.h>
 #include <phymul/task_runner.h>
+#include <phymul/thread.h>
 #include <phymul/tool.h>
 #include <phymul/topology.h>
 #include <phymul/types.h>

@@ -88,6 +88,8 @@ class Recorder {
   void keep_scene();
   void keep_body();
   void record_tool(const SceneTool& tool);
+  void record_threads(bool before_scene);
+  void see_threads();
 
   Solver& solver_;
   const Scene& scene_;
@@ -100,6 +102,11 @@ class Recorder {
     std::uint64_t moves = 0, places = 0, grasps = 0;
   };
   std::map<std::uint64_t, SeenTool> seen_tools_;  // by SceneTool::id
+  struct SeenThread {
+    std::string name;
+    std::uint64_t changes = 0;
+  };
+  std::map<std::uint64_t, SeenThread> seen_threads_;  // by SceneThread::id
 };
 
 /// Repeats a recording. Keeps references to solver and scene, which must outlive it. Nothing else may change them.
@@ -131,6 +138,7 @@ class Replay {
  private:
   void perform(const Input& input);
   void move_tool(const Input& input);
+  void change_thread(const Input& input);
   void follow_checkpoint(const Input& input) const;
   void start_scene();
   void make_body(const std::vector<Index>& removed, const BodyCuts& cuts);

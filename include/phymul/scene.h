@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, volume constraints and contacts. It also
-// has the present factors of stiffness. It may change between steps. What a scene does not contain costs no time.
+// Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, threads, volume constraints and contacts.
+// It also has the present factors of stiffness. It may change between steps. What a scene does not contain costs no
+// time.
 #pragma once
 
 #include <phymul/body_cut.h>
 #include <phymul/joint.h>
 #include <phymul/load.h>
 #include <phymul/model.h>
+#include <phymul/thread.h>
 #include <phymul/tool.h>
 
 #include <array>
@@ -105,6 +107,42 @@ class JointHandle {
   std::uint64_t id_;
 };
 
+/// Changes what holds a thread. The rules of ToolHandle apply. Calls take effect in the next step. Functions throw
+/// Error for values that are not finite, nodes and passages that the thread does not have, and as their comments say.
+class ThreadHandle {
+ public:
+  /// Holds a node of a free thread. It goes to the place, m, at constant speed during the solver's next step() (in
+  /// run_to_rest(): in the first step) and stays there; call again to move it. Throws Error for a sewn thread.
+  void hold(Index node, const Vec3& position) const;
+  void release(Index node) const;  ///< no error for a node that is not held
+
+  /// Joins a tip to particles, a tool or a point of the world. A tip of a free thread that is elsewhere goes there
+  /// during the next step(). From the tip of a sewn thread a segment leads to its first or last passage; its rest
+  /// length becomes the distance. Throws Error as Scene::add_joint() does for an anchor.
+  void join(ThreadTip tip, const Anchor& anchor) const;
+  void pull(ThreadTip tip, const Vec3& force) const;  ///< N; through the passages of a sewn thread. 0: lets go
+  void fix(ThreadTip tip) const;                      ///< TipHold::fixed; throws Error for a free thread
+
+  /// Ties two passages of a sewn thread, by their rows in SceneThread::passages. From the next step on the thread
+  /// slides through neither, and a segment joins them whose rest length is their distance then. Under more than throws
+  /// * Thread::throw_holding the knot lets thread through. Tying them again changes the throws.
+  void tie(Index passage, Index other, int throws) const;
+  void loosen(Index passage, Index other) const;  ///< no error for a knot that there is not
+
+  void set(const ThreadControl& control) const;  ///< all of these calls at once; no change if it is the same
+  const SceneThread& thread() const;             ///< valid until the scene's threads change
+
+  std::uint64_t id() const { return id_; }  ///< SceneThread::id
+  bool is_of(const Scene& scene) const { return scene_ == &scene; }
+
+ private:
+  friend class Scene;
+  ThreadHandle(Scene& scene, std::uint64_t id) : scene_(&scene), id_(id) {}
+  SceneThread& own() const;
+  Scene* scene_;
+  std::uint64_t id_;
+};
+
 /// Lifetimes: a scene keeps a pointer to its model, or shares its ownership. The model must not change. A scene cannot
 /// be moved or assigned, because solvers and handles point to it. Only copy() copies it: write
 /// `auto& scene = simulation.scene()`, since `auto scene` does not compile.
@@ -179,7 +217,7 @@ class Scene {
   ToolHandle add_tool(std::string name, Tool tool) &;
   ToolHandle add_tool(Tool tool) &;
   ToolHandle add_tool(ToolShape shape) &;     ///< with the defaults of Tool
-  Scene& remove_tool(std::string_view name);  ///< throws Error also while a joint has an anchor at the tool
+  Scene& remove_tool(std::string_view name);  ///< throws Error also while a joint or a thread has an anchor there
   ToolHandle tool(std::string_view name) &;   ///< throws Error, with the known names, for an unknown one
   const std::vector<SceneTool>& tools() const { return tools_; }
 
@@ -220,9 +258,25 @@ class Scene {
   JointHandle joint(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one
   const std::vector<SceneJoint>& joints() const { return joints_; }
 
-  SceneParts parts() const;  ///< tools and joints, as a Snapshot has them (state.h)
-  /// Makes tools and joints those of a snapshot, in its order: removes others and adds missing ones. Handles stay valid
-  /// if the scene had a tool of the same name, shape and constants, or a joint of the same name and springs. Throws
+  /// Adds a straight thread without speed, from its first tip along a direction of any length but 0. Throws Error for
+  /// an empty or used name, values out of their range or not finite, more than 100,000 nodes, and a 2-D model.
+  ThreadHandle add_thread(std::string name, const Thread& thread, const Vec3& start, const Vec3& direction) &;
+  ThreadHandle add_thread(const Thread& thread, const Vec3& start, const Vec3& direction) &;  ///< "thread 1" and so on
+  /// Adds a thread that passes through places of the body, m at rest. Each is bound to the cell that it is in, or is
+  /// nearest to. Both tips are fixed. Throws Error also for fewer than 2 or more than 100 places, places farther than
+  /// one cell outside the body or one on the other, and a thread shorter than its way.
+  ThreadHandle sew(std::string name, const Thread& thread, std::span<const Vec3> places) &;
+  ThreadHandle sew(const Thread& thread, std::span<const Vec3> places) &;
+  /// The same with anchors of particles, as a recording has them.
+  ThreadHandle sew(std::string name, const Thread& thread, std::vector<Anchor> passages) &;
+  Scene& remove_thread(std::string_view name);
+  ThreadHandle thread(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one
+  const std::vector<SceneThread>& threads() const { return threads_; }
+
+  SceneParts parts() const;  ///< tools, joints and threads, as a Snapshot has them (state.h)
+  /// Makes tools, joints and threads those of a snapshot, in its order: removes others and adds missing ones. Handles
+  /// stay valid if the scene had a tool of the same name, shape and constants, a joint of the same name and springs, or
+  /// a thread of the same name, constants and passages. Throws
   /// Error as add_tool() and add_joint() do, and then changes nothing.
   Scene& bring_back(const SceneParts& parts);
 
@@ -235,7 +289,8 @@ class Scene {
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
-  /// Counts all changes except those that values_version() counts and those by a ToolHandle (SceneTool counts these).
+  /// Counts all changes except those that values_version() counts and those by a ToolHandle or
+  /// ThreadHandle (SceneTool and SceneThread count these).
   /// A solver that finds a new value calls prepare() again.
   /// Says that cells of the model were removed, brought back or cut (Simulation calls it): what depends on
   /// surface and masses follows. Particles without mass stay at their rest places, nothing touches or pulls them, and
@@ -279,6 +334,9 @@ class Scene {
   void require(const SceneJoint& joint, std::span<const Vec3> position) const;
   JointHandle attach(std::span<const Index> patch, std::span<const Anchor> partners, double rest_length,
                      const Attachment& springs);
+  void require_new_thread(const SceneThread& thread) const;
+  void bring_back_threads(const std::vector<SceneThread>& wanted);
+  friend class ThreadHandle;
   friend class ToolHandle;
   friend class JointHandle;
 
@@ -292,7 +350,8 @@ class Scene {
   std::optional<ContactOptions> contacts_;
   std::vector<SceneTool> tools_;
   std::vector<SceneJoint> joints_;
-  std::uint64_t next_tool_ = 1, next_joint_ = 1;
+  std::vector<SceneThread> threads_;
+  std::uint64_t next_tool_ = 1, next_joint_ = 1, next_thread_ = 1;
   std::uint64_t version_ = 0, values_version_ = 0;
   // Of body_changed():
   std::uint64_t body_version_ = 0;

@@ -153,10 +153,10 @@ class Simulation {
   const JointReport& report_of(const JointHandle& joint) const;
 
   /// The state with everything that further steps depend on (Snapshot), in memory or in a file. restore(), load() and
-  /// rewind() also bring back the scene's tools and joints: they remove those that were added since, add those that
-  /// were removed, and undo JointHandle's changes (Scene::bring_back(), which says which handles stay valid). Loads,
-  /// gravity, contacts, volume constraints and factors of stiffness stay as they are. To start from positions alone,
-  /// with the scene's tools and joints, call set_state(). They throw Error as Solver::restore(), save_state() and
+  /// rewind() also bring back the scene's tools, joints and threads: they remove those that were added since, add those
+  /// that were removed, and undo the changes of a JointHandle or ThreadHandle (Scene::bring_back(), which says which
+  /// handles stay valid). Loads, gravity, contacts, volume constraints and factors of stiffness stay as they are. To
+  /// start from positions alone, with what the scene has, call set_state(). They throw Error as Solver::restore(), save_state() and
   /// load_state() do.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);

@@ -181,12 +181,17 @@ class Solver {
   const JointReport& joint_report(std::string_view name) const;
   const JointReport& joint_report(const JointHandle& joint) const;
 
+  /// A thread of the scene after the last step. Valid until the next step() or change of the scene. Errors as above.
+  const ThreadState& thread_state(std::string_view name) const;
+  const ThreadState& thread_state(const ThreadHandle& thread) const;
+
  protected:
   Solver();
 
  private:
   virtual const ToolReport& tool_report(std::size_t row) const = 0;       ///< of Scene::tools()
   virtual const JointReport& joint_report_at(std::size_t row) const = 0;  ///< of Scene::joints()
+  virtual const ThreadState& thread_state_at(std::size_t row) const = 0;  ///< of Scene::threads()
   std::size_t tool_row(std::string_view name) const;
   std::size_t tool_row(const ToolHandle& tool) const;
 };

@@ -6,6 +6,7 @@
 #include <phymul/body_cut.h>
 #include <phymul/joint.h>
 #include <phymul/model.h>
+#include <phymul/thread.h>
 #include <phymul/tool.h>
 
 #include <cstdint>
@@ -28,17 +29,21 @@ struct State {
   std::vector<ToolState> tools{};
   /// Joints with broken springs, by name. Solver::reset() ignores names that the scene does not have.
   std::vector<JointState> joints{};
+  /// Of the scene's threads, by name. Solver::reset() ignores names that the scene does not have. A thread without an
+  /// entry starts as it was added.
+  std::vector<ThreadState> threads{};
 
   bool operator==(const State&) const = default;
 };
 
-/// The tools and joints of a scene, by name and in its order.
+/// The tools, joints and threads of a scene, by name and in its order.
 struct SceneParts {
   std::vector<std::pair<std::string, Tool>> tools{};
   std::vector<std::pair<std::string, Joint>> joints{};
+  std::vector<SceneThread> threads{};
 };
-/// The first tool or joint that only one of them has, or that has other constants, as `tool "name"`; empty: none. Tools
-/// are compared without Tool::pose, their first pose.
+/// The first tool, joint or thread that only one of them has, or that has other constants, as `tool "name"`; empty:
+/// none. Tools are compared without Tool::pose, their first pose, threads without SceneThread::control.
 std::string difference(const SceneParts& a, const SceneParts& b);
 inline bool operator==(const SceneParts& a, const SceneParts& b) {
   return difference(a, b).empty();
@@ -72,8 +77,8 @@ struct Snapshot {
     bool operator==(const Part&) const = default;
   };
   std::vector<Part> parts;
-  /// The scene's tools and joints (Scene::parts()). Null: unknown, as in files written before snapshots had them; then
-  /// restore() does not compare them with those of the scene.
+  /// The scene's tools, joints and threads (Scene::parts()). Null: unknown, as in files written before snapshots had
+  /// them; then restore() does not compare them with those of the scene.
   std::shared_ptr<const SceneParts> scene;
   std::vector<ToolMemory> tools;     ///< of scene->tools
   std::vector<JointReport> joints;   ///< of scene->joints

@@ -207,6 +207,7 @@ class ReferenceSolver final : public SolverBackend {
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
+  const ThreadState& do_thread_state(std::size_t row) const override { return tools_.thread(scene().threads()[row]); }
   double do_time() const override { return state_.time; }
   std::string do_device() const override { return "one processor core, double precision"; }
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }

@@ -77,6 +77,7 @@ void ToolSet::follow(const Scene& scene) {
   }
   tools_ = std::move(now);
   for (Moving& tool : tools_) tool.pull = {};
+  threads_.follow(scene);
   if (body_version_ != scene.body_version()) follow_body(scene);
 }
 
@@ -102,6 +103,7 @@ void ToolSet::reset(const Scene& scene, const State& state) {
       tool.moved.report.shaft = tool.needle->state().shaft;
     }
   }
+  threads_.reset(scene, state);
   was_reset_ = true;
 }
 
@@ -124,6 +126,7 @@ void ToolSet::read(State& state) const {
     if (tools_[row].needle) state.tools[row].needle = tools_[row].needle->state();
     if (tools_[row].blade) state.tools[row].blade = tools_[row].blade->state();
   }
+  threads_.read(state);
 }
 
 void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
@@ -133,6 +136,7 @@ void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
     tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
     if (tools_[row].blade) tools_[row].blade->begin_call();
   }
+  threads_.begin_call(scene, steps, at_once);
 }
 
 bool ToolSet::held_by_any(Index particle) const {
@@ -201,6 +205,7 @@ void ToolSet::ways(double dt, std::vector<ToolWay>& ways) const {
 }
 
 bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<bool(const Region&)>& any_in) const {
+  if (!threads_.empty()) return true;
   for (const Moving& tool : tools_) {
     const MovedTool& moved = tool.moved;
     if (!moved.held.empty() || moved.grasps || moved.releases) return true;
@@ -262,9 +267,19 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     if (!tool.needle && !tool.blade) press(tool, touched);
   }
+  if (!threads_.empty()) act_by_threads(touched);
+}
+
+void ToolSet::act_by_threads(TouchedParticles& touched) {
+  threads_.act(touched, [this](std::string_view name) {
+    Moving& tool =
+        *std::ranges::find(tools_, name, [](const Moving& moving) { return std::string_view(moving.moved.name); });
+    return ThreadSet::AtTool{&tool.moved.motion.pose, &tool.moved.motion.next_pose, &tool.next_force};
+  });
 }
 
 void ToolSet::accept() {
+  threads_.accept();
   for (Moving& tool : tools_) {
     if (tool.needle) {
       tool.needle->accept();

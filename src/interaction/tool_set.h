@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The tools of a scene as one solver moves them: their poses step by step, what they touch, hold and pierce, and what
-// that does to them. In double precision whatever the backend's own is.
+// that does to them; and the threads, whose tips tools may hold. In double precision whatever the backend's own is.
 #pragma once
 
 #include <phymul/scene.h>
@@ -19,6 +19,7 @@
 #include "needle_path.h"
 #include "predicted_step.h"
 #include "surface_press.h"
+#include "thread/thread_set.h"
 
 namespace phymul {
 
@@ -26,7 +27,8 @@ class ToolSet {
  public:
   /// Takes over the scene's tools after a change; tools that stay keep what they hold. Allocates.
   void follow(const Scene& scene);
-  bool empty() const { return tools_.empty(); }
+  bool empty() const { return tools_.empty() && threads_.empty(); }
+  const ThreadState& thread(const SceneThread& wanted) const { return threads_.state(wanted); }
   std::size_t count() const { return tools_.size(); }
 
   void reset(const Scene& scene, const State& state);
@@ -73,11 +75,13 @@ class ToolSet {
   static Moving made(const SceneTool& tool, const Scene& scene);
   void take_hold(Moving& tool, TouchedParticles& touched);
   void hold(Moving& tool, TouchedParticles& touched);
+  void act_by_threads(TouchedParticles& touched);
   void press(Moving& tool, TouchedParticles& touched);
   bool held_by_any(Index particle) const;
 
   bool at_once_ = false;  // of the last begin_call()
   std::vector<Moving> tools_;
+  ThreadSet threads_;
   std::vector<Index> found_;
   std::uint64_t body_version_ = 0;  // Scene::body_version() that needles and surfaces are of
   bool was_reset_ = false;          // the first reset is that of a solver being made

@@ -274,6 +274,7 @@ Scene& Scene::clear() {
   actions_.clear();
   tools_.clear();
   joints_.clear();
+  threads_.clear();
   gravity_.setZero();
   stiffness_factors_.clear();
   volume_constraints_.clear();

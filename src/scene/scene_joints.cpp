@@ -6,19 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
+#include "anchor_check.h"
 #include "anchor_place.h"
 #include "base/decimal.h"
 #include "default_name.h"
-#include "model/require_indices.h"
 #include "require_value.h"
 
 namespace phymul {
 namespace {
-
-/// Of a sum of weights: less is rounding.
-constexpr double rounding = 1e-9;
 
 std::string joint_label(std::string_view joint) {
   return "joint \"" + std::string(joint) + "\": ";
@@ -31,45 +27,6 @@ void require_positive(std::string_view joint, const char* what, double value) {
   if (value > 0.0) return;
   throw Error(joint_label(joint) + "expected a " + what + " above 0, got " + to_decimal(value));
 }
-
-struct AnchorCheck {
-  const std::string& label;  // of the joint and the spring
-  const Model& model;
-  const std::vector<SceneTool>& tools;
-
-  void operator()(const Anchor& anchor) const {
-    if (anchor.particles.empty()) {
-      require_point(anchor);
-      return;
-    }
-    if (!anchor.tool.empty()) throw Error(label + "expected an anchor at particles or at a tool, got both");
-    if (anchor.weights.size() != anchor.particles.size()) {
-      throw Error(label + "expected a weight for each of " + std::to_string(anchor.particles.size()) +
-                  " particles, got " + std::to_string(anchor.weights.size()));
-    }
-    require_indices(anchor.particles, model.rest.size(), "particles", [&] { return label; });
-    if (std::set(anchor.particles.begin(), anchor.particles.end()).size() != anchor.particles.size()) {
-      throw Error(label + "expected each particle once in an anchor, got one twice");
-    }
-    double sum = 0.0;
-    for (const double w : anchor.weights) sum += w;
-    if (!(std::abs(sum - 1.0) <= rounding)) {
-      throw Error(label + "expected weights of sum 1, got a sum of " + to_decimal(sum));
-    }
-  }
-
-  void require_point(const Anchor& anchor) const {
-    if (!anchor.weights.empty()) throw Error(label + "expected particles for an anchor's weights, got none");
-    if (!anchor.point.allFinite()) throw Error(label + "expected a finite point of an anchor");
-    if (model.dimension == 2 && anchor.point.z() != 0.0) {
-      throw Error(label + "expected an anchor with z = 0 in a two-dimensional model, got " +
-                  to_decimal(anchor.point.z()));
-    }
-    if (anchor.tool.empty()) return;
-    if (std::ranges::find(tools, anchor.tool, &SceneTool::name) != tools.end()) return;
-    throw Error(ErrorCode::unknown_name, label + "the scene has no tool \"" + anchor.tool + '"');
-  }
-};
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The tools and joints of a scene in a snapshot.
+// The tools, joints and threads of a scene in a snapshot.
 #include <phymul/distance_grid.h>
 #include <phymul/scene.h>
 #include <phymul/state.h>
@@ -31,6 +31,11 @@ bool same_springs(Joint a, const Joint& b) {
   return a == b;
 }
 
+bool same(const SceneThread& a, const SceneThread& b) {
+  return a.name == b.name && a.thread == b.thread && a.start == b.start && a.direction == b.direction &&
+         a.passages == b.passages;
+}
+
 /// The first that differs; empty: none.
 template <class Items>
 std::string difference(const std::string& kind, const Items& a, const Items& b) {
@@ -46,18 +51,44 @@ std::string difference(const std::string& kind, const Items& a, const Items& b) 
 
 std::string difference(const SceneParts& a, const SceneParts& b) {
   const std::string tool = difference("tool", a.tools, b.tools);
-  return tool.empty() ? difference("joint", a.joints, b.joints) : tool;
+  if (!tool.empty()) return tool;
+  if (const std::string joint = difference("joint", a.joints, b.joints); !joint.empty()) return joint;
+  for (std::size_t row = 0; row < std::max(a.threads.size(), b.threads.size()); ++row) {
+    if (row < std::min(a.threads.size(), b.threads.size()) && same(a.threads[row], b.threads[row])) continue;
+    return "thread \"" + (row < a.threads.size() ? a : b).threads[row].name + '"';
+  }
+  return {};
 }
 
 SceneParts Scene::parts() const {
   SceneParts parts;
   for (const SceneTool& tool : tools_) parts.tools.emplace_back(tool.name, tool.tool);
   for (const SceneJoint& joint : joints_) parts.joints.emplace_back(joint.name, joint.joint);
+  parts.threads = threads_;
   return parts;
 }
 
+/// A thread that stays keeps its id.
+void Scene::bring_back_threads(const std::vector<SceneThread>& wanted) {
+  const std::vector<SceneThread> before = std::exchange(threads_, {});
+  for (const SceneThread& thread : wanted) {
+    const ThreadHandle added = thread.is_sewn()
+                                   ? sew(thread.name, thread.thread, thread.passages)
+                                   : add_thread(thread.name, thread.thread, thread.start, thread.direction);
+    added.set(thread.control);
+    const auto own = std::ranges::find_if(before, [&](const SceneThread& known) { return same(known, thread); });
+    if (own == before.end()) continue;
+    threads_.back().id = own->id;
+    threads_.back().changes = own->changes + 1;
+    --next_thread_;
+  }
+}
+
 Scene& Scene::bring_back(const SceneParts& wanted) {
-  if (parts() == wanted) return *this;
+  if (parts() == wanted) {
+    for (const SceneThread& thread : wanted.threads) this->thread(thread.name).set(thread.control);
+    return *this;
+  }
   Scene next = copy();  // add_tool() and add_joint() check what is added
   next.tools_.clear();
   next.joints_.clear();
@@ -75,8 +106,11 @@ Scene& Scene::bring_back(const SceneParts& wanted) {
     next.joints_.back().id = own->id;
     --next.next_joint_;
   }
+  next.bring_back_threads(wanted.threads);
   tools_ = std::move(next.tools_);
   joints_ = std::move(next.joints_);
+  threads_ = std::move(next.threads_);
+  next_thread_ = next.next_thread_;
   next_tool_ = next.next_tool_;
   next_joint_ = next.next_joint_;
   ++version_;

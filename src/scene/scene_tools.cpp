@@ -150,6 +150,13 @@ Scene& Scene::remove_tool(std::string_view name) {
       throw Error(label(name) + "the joint \"" + known.name + "\" has an anchor at it; remove_joint that one first");
     }
   }
+  for (const SceneThread& known : threads_) {
+    for (const ThreadEnd& end : known.control.ends) {
+      if (end.hold != TipHold::anchored || end.anchor.tool != name) continue;
+      throw Error(label(name) + "the thread \"" + known.name +
+                  "\" is joined to it; pull or join its tip elsewhere first");
+    }
+  }
   std::erase_if(tools_, [&](const SceneTool& known) { return known.id == id; });
   ++version_;
   return *this;

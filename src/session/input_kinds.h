@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 namespace phymul::input_kind {
@@ -19,8 +20,12 @@ inline constexpr std::string_view grasp = "grsp";       ///< a tool's name, whet
 inline constexpr std::string_view checkpoint = "chck";  ///< fingerprint of the snapshot (u64), time (f64)
 inline constexpr std::string_view removed = "cell";     ///< rows of the cells that are removed from then on (i32 each)
 inline constexpr std::string_view cut = "cuts";         ///< how many cuts stay (u64), those after them (cut_bytes.h)
+inline constexpr std::string_view thread = "thrd";      ///< a thread's name, ThreadChange (u8), what changed
 
-inline constexpr std::array all{step, to_rest, to_rest_damped, restore, scene, pose, grasp, checkpoint, removed, cut};
+inline constexpr std::array all{step,  to_rest,    to_rest_damped, restore, scene, pose,
+                                grasp, checkpoint, removed,        cut,     thread};
+
+enum class ThreadChange : std::uint8_t { control, adds, removes };
 
 inline bool is_own(std::string_view kind) {
   return std::find(all.begin(), all.end(), kind) != all.end();

@@ -10,6 +10,7 @@
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
+#include "thread_bytes.h"
 #include "tool_bytes.h"
 
 namespace phymul {
@@ -66,6 +67,7 @@ Recorder::Recorder(Solver& solver, const Scene& scene) : solver_(solver), scene_
   solver_.restore(recording_.start);
   recording_.scene = scene_change_bytes(scene_, {}, true);
   keep_scene();
+  see_threads();
 }
 
 void Recorder::keep_scene() {
@@ -94,11 +96,51 @@ void Recorder::record(std::string_view kind, std::string bytes) {
 
 /// Even a change to the same scene is one: solvers look at the version.
 void Recorder::record_scene() {
+  record_threads(true);
   if (scene_version_ != changes_of(scene_)) {
-    record(input_kind::scene, scene_change_bytes(scene_, *before_, volume_bytes(scene_) != before_->volumes));
+    const bool anew = volume_bytes(scene_) != before_->volumes;
+    record(input_kind::scene, scene_change_bytes(scene_, *before_, anew));
     keep_scene();
+    if (anew) see_threads();
   }
+  record_threads(false);
   for (const SceneTool& tool : scene_.tools()) record_tool(tool);
+}
+
+void Recorder::see_threads() {
+  seen_threads_.clear();
+  for (const SceneThread& thread : scene_.threads()) seen_threads_[thread.id] = {thread.name, thread.changes};
+}
+
+/// Threads leave tools before these go, and take hold of them when they are there.
+void Recorder::record_threads(bool before_scene) {
+  const auto record_one = [&](const std::string& name, input_kind::ThreadChange change, const auto& put) {
+    ByteWriter out;
+    out.text(name);
+    out.u8(static_cast<std::uint8_t>(change));
+    put(out);
+    record(input_kind::thread, out.bytes());
+  };
+  for (const auto& [id, seen] : seen_threads_) {
+    const bool stays = std::ranges::find(scene_.threads(), id, &SceneThread::id) != scene_.threads().end();
+    if (before_scene && !stays) record_one(seen.name, input_kind::ThreadChange::removes, [](ByteWriter&) {});
+  }
+  std::erase_if(seen_threads_, [&](const auto& seen) {
+    return std::ranges::find(scene_.threads(), seen.first, &SceneThread::id) == scene_.threads().end();
+  });
+  for (const SceneThread& thread : scene_.threads()) {
+    const auto known = seen_threads_.find(thread.id);
+    const bool at_tool =
+        std::ranges::any_of(thread.control.ends, [](const ThreadEnd& end) { return !end.anchor.tool.empty(); });
+    if (before_scene && (known == seen_threads_.end() || at_tool)) continue;
+    if (known == seen_threads_.end()) {
+      record_one(thread.name, input_kind::ThreadChange::adds, [&](ByteWriter& out) { put_threads(out, {thread}); });
+    } else if (known->second.changes != thread.changes) {
+      record_one(thread.name, input_kind::ThreadChange::control,
+                 [&](ByteWriter& out) { put_control(out, thread.control); });
+    }
+    seen_threads_[thread.id] = {thread.name, thread.changes};
+  }
 }
 
 /// Of several poses between two steps solvers see the last.

@@ -11,6 +11,7 @@
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
+#include "thread_bytes.h"
 #include "tool_bytes.h"
 
 namespace phymul {
@@ -121,6 +122,20 @@ void Replay::move_tool(const Input& input) {
   in.expect_end("the input");
 }
 
+void Replay::change_thread(const Input& input) {
+  ByteReader in = reader(input);
+  const std::string name = in.text("a thread's name");
+  const auto change = static_cast<input_kind::ThreadChange>(in.u8("what changed of a thread"));
+  if (change == input_kind::ThreadChange::adds) {
+    add_threads(in, scene_);
+  } else if (change == input_kind::ThreadChange::removes) {
+    scene_.remove_thread(name);
+  } else {
+    change_control(in, scene_.thread(name));
+  }
+  in.expect_end("the input");
+}
+
 void Replay::perform(const Input& input) {
   if (input.kind == input_kind::step) {
     const StepInput step = take_step(input);
@@ -162,6 +177,8 @@ void Replay::perform(const Input& input) {
     make_body(solver_.topology().removed, cuts);
   } else if (input.kind == input_kind::pose || input.kind == input_kind::grasp) {
     move_tool(input);
+  } else if (input.kind == input_kind::thread) {
+    change_thread(input);
   } else if (input.kind == input_kind::checkpoint) {
     follow_checkpoint(input);
   } else if (on_note) {
@@ -206,7 +223,8 @@ void Replay::skip_to(std::uint64_t position) {
     }
     const Input& input = recording_.inputs[row_];
     const bool of_scene = input.kind == input_kind::scene || input.kind == input_kind::removed ||
-                          input.kind == input_kind::pose || input.kind == input_kind::grasp;
+                          input.kind == input_kind::pose || input.kind == input_kind::grasp ||
+                          input.kind == input_kind::thread;
     if (of_scene) {
       perform(input);
       advance();

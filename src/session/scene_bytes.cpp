@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "joint_bytes.h"
+#include "thread_bytes.h"
 #include "tool_bytes.h"
 #include "wire_codes.h"
 
@@ -225,6 +226,7 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
   }
   put_new_joints(out, scene, from);
   if (anew) out.raw(volume_bytes(scene));
+  if (anew && !scene.threads().empty()) put_threads(out, scene.threads());
   return out.bytes();
 }
 
@@ -264,6 +266,7 @@ void change_scene(Scene& scene, ByteReader& in) {
     volume_fields(in, kept);
     for (VolumeConstraint& surface : kept) scene.constrain_volume(std::move(surface));
   }
+  if (anew && in.remaining() > 0) add_threads(in, scene);
   in.expect_end("a change of the scene");
 }
 

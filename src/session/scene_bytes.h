@@ -4,7 +4,7 @@
 // the factors of the materials' stiffness (count, f64 each), the number of loads (u64), the changed ones (count, then
 // row and load each), the joints that stay, by name, with their stiffness, damping and rest lengths where these
 // changed, all tools by name, with what they are where they are new, the new joints, and after an empty scene the kept
-// volumes.
+// volumes and, if there are some, the threads. Later changes of threads are inputs of their own.
 #pragma once
 
 #include <phymul/scene.h>

@@ -56,6 +56,7 @@ void require_supported(const TopologyTextures& topology, const Scene& scene, con
     refuse("particle " + std::to_string(i) + " is in no cell with a material");
   }
   for (const SceneTool& tool : scene.tools()) require_supported(tool, solver);
+  if (!scene.threads().empty()) refuse("the scene has threads");
   if (scene.contacts()) refuse("the scene has contacts");
   if (!scene.volume_constraints().empty()) refuse("the scene has a volume constraint");
   for (std::size_t row = 0; row < scene.loads().size(); ++row) {

@@ -4,6 +4,7 @@
 #include <phymul/state_file.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -11,6 +12,7 @@
 #include "base/fnv.h"
 #include "cut_bytes.h"
 #include "joint_bytes.h"
+#include "thread_bytes.h"
 #include "tool_bytes.h"
 
 namespace phymul {
@@ -18,7 +20,8 @@ namespace {
 
 /// Parts in the bytes alone, so that files are read that were written before snapshots had them.
 constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
-                     *cuts_part = "cuts", *blades_part = "blades";
+                     *cuts_part = "cuts", *blades_part = "blades", *threads_part = "threads",
+                     *scene_threads_part = "scene threads";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -123,8 +126,10 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   with_scene = with_scene && snapshot.scene;
   const bool removed = !snapshot.removed_cells.empty();
   const bool blades = std::ranges::any_of(snapshot.state.tools, [](const ToolState& t) { return !t.blade.empty(); });
-  out.u64(snapshot.parts.size() + (moved ? 1 : 0) + (with_scene ? 1 : 0) + (removed ? 1 : 0) +
-          (snapshot.cuts.empty() ? 0 : 1) + (blades ? 1 : 0));
+  const bool threads = !snapshot.state.threads.empty();
+  const bool scene_threads = with_scene && !snapshot.scene->threads.empty();
+  const std::array<bool, 7> further{moved, with_scene, removed, !snapshot.cuts.empty(), blades, threads, scene_threads};
+  out.u64(snapshot.parts.size() + static_cast<std::size_t>(std::ranges::count(further, true)));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
@@ -153,6 +158,18 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     for (const ToolState& tool : snapshot.state.tools) blade_fields(points, tool.blade);
     out.text(blades_part);
     out.text(points.bytes());
+  }
+  if (scene_threads) {
+    ByteWriter all;
+    put_threads(all, snapshot.scene->threads);
+    out.text(scene_threads_part);
+    out.text(all.bytes());
+  }
+  if (threads) {
+    ByteWriter states;
+    put_thread_states(states, snapshot.state.threads);
+    out.text(threads_part);
+    out.text(states.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -211,6 +228,18 @@ Snapshot take_snapshot(ByteReader& in) {
     if (part.name == blades_part) {
       for (ToolState& tool : snapshot.state.tools) blade_fields(bytes, tool.blade);
       bytes.expect_end("the points of blades");
+      continue;
+    }
+    if (part.name == scene_threads_part) {
+      SceneParts with = snapshot.scene ? *snapshot.scene : SceneParts{};
+      with.threads = take_threads(bytes);
+      bytes.expect_end("the scene's threads");
+      snapshot.scene = std::make_shared<const SceneParts>(std::move(with));
+      continue;
+    }
+    if (part.name == threads_part) {
+      snapshot.state.threads = take_thread_states(bytes);
+      bytes.expect_end("the threads");
       continue;
     }
     if (part.name == motion_part) {

@@ -32,6 +32,9 @@ std::size_t bytes_of(const Snapshot& snapshot) {
   for (const JointState& joint : snapshot.state.joints) {
     bytes += sizeof joint + joint.name.size() + joint.broken.size() * sizeof(Index);
   }
+  for (const ThreadState& thread : snapshot.state.threads) {
+    bytes += sizeof thread + 2 * thread.position.size() * (sizeof(Vec3) + sizeof(double));
+  }
   bytes += snapshot.tools.size() * sizeof(ToolMemory);  // Snapshot::scene is shared by all that have the same
   for (const JointReport& joint : snapshot.joints) bytes += sizeof joint + joint.springs.size() * sizeof(SpringReport);
   bytes += snapshot.removed_cells.size() * sizeof(Index) + snapshot.cuts.size() * sizeof(snapshot.cuts.front());

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <phymul/load.h>
+#include <phymul/thread.h>
 
 #include <string>
 
@@ -24,6 +25,9 @@ constexpr int codes_of(ShapeKind) {
 }
 constexpr int codes_of(ToolContact) {
   return static_cast<int>(ToolContact::surface) + 1;
+}
+constexpr int codes_of(TipHold) {
+  return static_cast<int>(TipHold::anchored) + 1;
 }
 
 template <class Enum>

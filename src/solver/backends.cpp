@@ -183,6 +183,9 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
                              "the scene has a Blade or a tool with ToolContact::surface, and no trial shows what it costs the "
                              "processor before it touches");
   }
+  if (!scene.threads().empty()) {
+    return processor_because(std::move(cpu), "the scene has threads, which act on the processor in every step");
+  }
   if (scene.contacts()) {
     return processor_because(std::move(cpu),
                              "the scene has contacts, and what they cost a GPU no trial shows before bodies touch");

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The parts of Solver that every implementation shares: shorthands, and the tools and joints of its scene by name or
-// handle.
+// The parts of Solver that every implementation shares: shorthands, and the tools, joints and threads of its scene by
+// name or handle.
+#include <phymul/backend.h>
 #include <phymul/error.h>
 #include <phymul/solver.h>
 
@@ -30,6 +31,10 @@ std::size_t row_of(const Scene& scene, const Items& items, const std::string& ki
 }
 
 }  // namespace
+
+const ThreadState& SolverBackend::do_thread_state(std::size_t) const {
+  throw Error(ErrorCode::not_supported, "this backend does not take threads");
+}
 
 Solver::Solver() = default;
 Solver::~Solver() = default;
@@ -101,6 +106,14 @@ const JointReport& Solver::joint_report(std::string_view name) const {
 
 const JointReport& Solver::joint_report(const JointHandle& joint) const {
   return joint_report_at(row_of(scene(), scene().joints(), "joint", joint));
+}
+
+const ThreadState& Solver::thread_state(std::string_view name) const {
+  return thread_state_at(row_named(scene().threads(), "thread", name));
+}
+
+const ThreadState& Solver::thread_state(const ThreadHandle& thread) const {
+  return thread_state_at(row_of(scene(), scene().threads(), "thread", thread));
 }
 
 }  // namespace phymul

@@ -19,6 +19,7 @@
 #include "interaction/joint_set.h"
 #include "interaction/stiff_joints.h"
 #include "profile.h"
+#include "scene/thread_state.h"
 #include "scene/tool_state.h"
 #include "solver_input.h"
 #include "topology/topology_match.h"
@@ -50,6 +51,7 @@ constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_joints =
     "the scene has joints, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
+constexpr const char* no_threads = "the scene has threads, which this backend does not take; use \"cpu\"";
 constexpr const char* no_dissipation =
     "the body has a material with Material::retardation_time or relaxation_strength, which this backend does not take; "
     "use \"cpu\", \"gl-compute\" or \"reference\"";
@@ -127,6 +129,7 @@ void SolverBackend::require_fitting(const State& state) const {
   }
   require_tool_states(state, topology_->particle_count, scene_->tools());
   require_joint_states(state, scene_->joints());
+  require_thread_states(state, scene_->threads());
 }
 
 void SolverBackend::require_supported() const {
@@ -290,7 +293,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   const SceneParts own = scene_->parts();
   if (const std::string found = snapshot.scene ? difference(*snapshot.scene, own) : ""; !found.empty()) {
     throw Error(
-        "Solver::restore: expected a scene with the snapshot's tools and joints, in its order; the first that "
+        "Solver::restore: expected a scene with the snapshot's tools, joints and threads, in its order; the first that "
         "differs, or that only one of them has, is " +
         found +
         ". Call Scene::bring_back(*snapshot.scene) before, or clear Snapshot::scene to keep those of the scene");
@@ -370,6 +373,7 @@ const char* SolverBackend::do_cannot() const {
   if (has_needle(scene_->tools())) return no_needles;
   if (touches_surface(scene_->tools())) return no_surfaces;
   if (const char* const cause = beyond_devices()) return cause;
+  if (!scene_->threads().empty()) return no_threads;
   if (!scene_->joints().empty()) return no_joints;
   if (!topology_->dissipation.empty()) return no_dissipation;
   if (!scene_->stiffness_factors().empty()) return no_scaled_stiffness;

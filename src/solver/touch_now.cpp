@@ -32,7 +32,8 @@ TouchNow::TouchNow(const Scene& scene, const TopologyTextures& topology, const S
     : scene_(scene),
       state_(state),
       dt_(dt),
-      any_(!scene.tools().empty() || scene.contacts() || !scene.volume_constraints().empty()) {
+      any_(!scene.tools().empty() || !scene.threads().empty() || scene.contacts() ||
+           !scene.volume_constraints().empty()) {
   if (!any_) return;
   scene.prepare(loads_);
   scene.evaluate(state.time + dt, loads_);

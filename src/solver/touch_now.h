@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What tools, contacts between bodies and volume constraints would do in a step from a state, in double precision for
-// all backends.
+// What tools, threads, contacts between bodies and volume constraints would do in a step from a state, in double
+// precision for all backends.
 #pragma once
 
 #include <phymul/load_frame.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The code of docs/guide/choosing.md, contacts.md, hosting.md, joints.md, needles.md and tools.md: check.pages finds
-// each block of these pages here.
+// The code of docs/guide/choosing.md, contacts.md, hosting.md, joints.md, needles.md, threads.md and tools.md:
+// check.pages finds each block of these pages here.
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
@@ -112,6 +112,38 @@ TEST(GuideNeedles, Puncture) {
 
   ASSERT_EQ(curve.size(), 1334U);
   EXPECT_NEAR(*std::max_element(curve.begin(), curve.end()), 2.0, 0.3);  // the puncture
+}
+
+TEST(GuideThreads, SewAndHang) {
+  const double width = 0.02, depth = 0.01, y = 0.01;
+  const phymul::Model piece = phymul::make_block({width, 0.02, depth}, 4, 4, 2);
+  phymul::Simulation sim({{"left", phymul::moved(piece, {-width - 0.003, 0, 0}), soft},
+                          {"right", phymul::moved(piece, {0.003, 0, 0}), soft}});
+  phymul::Scene& scene = sim.scene();
+  scene.fix("left/x0").fix("right/x1");
+  scene.add_tool("driver", {.shape = phymul::Sphere{1e-3}, .pose = {.position = {0.3, 0, 0.1}}});
+  const phymul::Vec3 start(0, 0, 0.1), direction(1, 0, 0);
+
+  const phymul::Thread suture{.length = 0.2, .friction = 0.1, .breaking_force = 10, .passage_limit = 1.5};
+  const auto stitch = scene.sew(
+      suture,
+      phymul::VecList{{-0.007, y, depth}, {-0.004, y, 0.4 * depth}, {0.004, y, 0.4 * depth}, {0.007, y, depth}});
+  stitch.pull(phymul::ThreadTip::first, {0.03, 0, 0});  // N: across the wound, from both sides
+  stitch.pull(phymul::ThreadTip::last, {-0.03, 0, 0});
+
+  ASSERT_TRUE(sim.advance(0.1).ok());
+
+  stitch.tie(0, 3, 4);  // passages 0 and 3, with four throws
+
+  const auto thread = scene.add_thread({.length = 0.3, .segment = 3e-3}, start, direction);
+  thread.hold(0, start);  // a node; call again to move it
+  thread.join(phymul::ThreadTip::last, phymul::at_tool("driver"));
+
+  ASSERT_TRUE(sim.advance(0.01).ok());
+
+  const phymul::ThreadState& state = sim.solver().thread_state(stitch);
+
+  EXPECT_GT(state.tension[2], 0.01);
 }
 
 TEST(GuideTools, PressAndReport) {

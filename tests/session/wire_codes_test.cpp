@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "session/scene_bytes.h"
+#include "session/thread_bytes.h"
 #include "session/tool_bytes.h"
 #include "support/message_of.h"
 
@@ -30,6 +31,12 @@ TEST(WireCodes, NeverChange) {
     EXPECT_EQ(bytes.substr(17, 3), std::string("\2\0\1", 3));  // after the type and two empty lists
     ByteReader in("load", bytes);
     EXPECT_EQ(take_load(in), load);
+  }
+  code = 0;
+  for (const TipHold hold : {TipHold::pulled, TipHold::fixed, TipHold::anchored}) {
+    ByteWriter out;
+    put_control(out, {.ends = {ThreadEnd{.hold = hold}, ThreadEnd{}}});
+    EXPECT_EQ(first_byte(out.bytes()), code++);
   }
   const auto grid =
       std::make_shared<const DistanceGrid>(Vec3::Zero(), 1.0, std::array{2, 2, 2}, std::vector<float>(8, -1.0f));

@@ -162,6 +162,10 @@ class SimdSolver final : public SolverBackend {
   const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(scene().tools()[row]); }
 
+  const ThreadState& do_thread_state(std::size_t row) const override {
+    return tools_.set().thread(scene().threads()[row]);
+  }
+
   Motion do_step(const StepPlan& plan) override {
     const DenormalsAreZero guard;
     laps_.begin();

@@ -45,11 +45,11 @@ DeviceSolver::~DeviceSolver() {
   drop();
 }
 
-/// Not in order on a device: needles, blades, surfaces under tools. Not by fragments, 83 to 109 draws a step: contacts. And
-/// not tabled there: which volumes an edit of the body has opened.
+/// Not in order on a device: needles, blades, surfaces under tools, threads. Not by fragments, 83 to 109 draws a step:
+/// contacts. And not tabled there: which volumes an edit of the body has opened.
 bool DeviceSolver::acts_on_host() const {
   return (backend_ == GlBackend::fragment && scene().contacts()) || scene().any_volume_open() ||
-         std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
+         !scene().threads().empty() || std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
            const ToolShape& shape = own.tool.shape;
            return own.tool.contact == ToolContact::surface || std::holds_alternative<Needle>(shape) ||
                   std::holds_alternative<Blade>(shape);

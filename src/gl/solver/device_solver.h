@@ -57,6 +57,9 @@ class DeviceSolver final : public SolverBackend {
   const ToolReport& do_tool_report(std::size_t row) const override {
     return host_ ? host_->tools.report(scene().tools()[row]) : tools_.report(scene().tools()[row]);
   }
+  const ThreadState& do_thread_state(std::size_t row) const override {
+    return (host_ ? host_->tools : no_tools_).thread(scene().threads()[row]);
+  }
 
   void build();
   void drop() noexcept;
@@ -124,6 +127,7 @@ class DeviceSolver final : public SolverBackend {
     double longest_way = 0.0;  // m, of the step in question
     BatchReport report;        // of it
   };
+  ToolSet no_tools_;
   std::unique_ptr<OnHost> host_;  // null where nothing acts there
   std::optional<FloatDissipation> dissipation_;
   double dissipation_dt_ = 0.0;             // s, that the device has the constants of; 0: none

@@ -54,8 +54,13 @@ void StateCopies::request(std::size_t rows, const State& header, const std::func
     drop(on_their_way_.back());
     on_their_way_.pop_back();
   }
-  Copy copy{
-      .buffer = 0, .fence = nullptr, .rows = rows, .time = header.time, .tools = header.tools, .joints = header.joints};
+  Copy copy{.buffer = 0,
+            .fence = nullptr,
+            .rows = rows,
+            .time = header.time,
+            .tools = header.tools,
+            .joints = header.joints,
+            .threads = header.threads};
   if (spare_.empty()) {
     glGenBuffers(1, &copy.buffer);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, copy.buffer);
@@ -86,6 +91,7 @@ bool StateCopies::collect(const VecList& rest, PlaceOf place_of, State& state) {
     state.time = copy.time;
     state.tools = std::move(copy.tools);
     state.joints = std::move(copy.joints);
+    state.threads = std::move(copy.threads);
   });
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   drop(copy);

@@ -78,6 +78,7 @@ class StateCopies {
     double time = 0.0;
     std::vector<ToolState> tools;
     std::vector<JointState> joints;
+    std::vector<ThreadState> threads;
   };
   void drop(Copy& copy);
 

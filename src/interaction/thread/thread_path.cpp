@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: MIT
+#include "thread_path.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace phymul {
+namespace {
+
+constexpr double least_rest = 1e-6;     // m: a shorter segment would be as stiff as none
+constexpr double most_exponent = 40.0;  // of friction: more holds anything
+constexpr double least_length = 1e-12;  // m: points nearer than that have no direction
+
+}  // namespace
+
+ThreadPath::ThreadPath(const SceneThread& thread)
+    : thread_(thread.thread), stretch_(axial_stiffness(thread.thread)), passages_(thread.passages) {
+  state_.name = thread.name;
+}
+
+void ThreadPath::follow(const SceneThread& thread, std::span<const double> mass) {
+  control_ = thread.control;
+  for (std::size_t p = state_.passages.size(); p-- > 0;) {
+    const Anchor& anchor = passages_[state_.passages[p]];
+    if (std::ranges::all_of(anchor.particles, [&](Index i) { return mass[i] > 0.0; })) continue;
+    next_ = state_;
+    remove(p);
+    ++next_.torn;
+    state_ = next_;
+  }
+}
+
+std::vector<Index> ThreadPath::particles() const {
+  std::vector<Index> all;
+  for (const Anchor& anchor : passages_) all.insert(all.end(), anchor.particles.begin(), anchor.particles.end());
+  for (const ThreadEnd& end : control_.ends) {
+    all.insert(all.end(), end.anchor.particles.begin(), end.anchor.particles.end());
+  }
+  return all;
+}
+
+Vec3 ThreadPath::place(TouchedParticles& touched, std::size_t point, bool end) const {
+  Vec3 sum = Vec3::Zero();
+  const Anchor& anchor = *anchors_[point];
+  for (std::size_t k = 0; k < anchor.particles.size(); ++k) {
+    const TouchedParticles::Touched& particle = touched[touched.slot(anchor.particles[k])];
+    sum += anchor.weights[k] * (end ? particle.end(touched.dt()) : particle.position);
+  }
+  return sum;
+}
+
+/// Points at their predicted places, and the first rest lengths.
+void ThreadPath::begin(TouchedParticles& touched, const std::array<Outside, 2>& tips) {
+  next_ = state_;
+  next_.force.fill(Vec3::Zero());
+  pieces_.clear();
+  if (next_.rest_length.empty()) {
+    for (std::size_t row = 0; row < passages_.size(); ++row) next_.passages.push_back(static_cast<Index>(row));
+    next_.slides.assign(passages_.size(), 0);
+    next_.rest_length.assign(passages_.size() + 1, -1.0);
+    next_.tension.assign(passages_.size() + 1, 0.0);
+    next_.broken.assign(passages_.size() + 1, 0);
+  }
+  const std::size_t last = next_.passages.size() + 1;
+  anchors_.assign(last + 1, nullptr);
+  start_.resize(last + 1);
+  place_.resize(last + 1);
+  for (std::size_t p = 1; p < last; ++p) anchors_[p] = &passages_[next_.passages[p - 1]];
+  for (const std::size_t tip : {0, 1}) {
+    const Anchor& anchor = control_.ends[tip].anchor;
+    if (is_anchored(tip) && !anchor.particles.empty()) anchors_[tip * last] = &anchor;
+  }
+  for (std::size_t i = 0; i <= last; ++i) {
+    if (anchors_[i] == nullptr) continue;
+    start_[i] = place(touched, i, false);
+    place_[i] = place(touched, i, true);
+  }
+  for (const std::size_t tip : {0, 1}) {
+    if (anchors_[tip * last] != nullptr) continue;
+    const std::size_t next = tip == 0 ? 1 : last - 1;
+    start_[tip * last] = is_anchored(tip) ? tips[tip].start : start_[next];
+    place_[tip * last] = is_anchored(tip) ? tips[tip].end : place_[next];
+  }
+  set_first_lengths();
+  if (!next_.passages.empty()) list_pieces();
+}
+
+/// As long as the way; what the thread has left goes to the tails.
+void ThreadPath::set_first_lengths() {
+  std::vector<double>& rest = next_.rest_length;
+  const auto way = [&](std::size_t k) { return (start_[k + 1] - start_[k]).norm(); };
+  if (rest.front() < 0.0) {
+    double left = thread_.length;
+    for (std::size_t k = 1; k + 1 < rest.size(); ++k) left -= rest[k] = way(k);
+    rest.front() = rest.back() = std::max(0.5 * left, 0.0);
+  }
+  for (const std::size_t tip : {0, 1}) {
+    double& tail = tip == 0 ? rest.front() : rest.back();
+    if (is_anchored(tip) && !next_.anchored[tip]) tail = way(tip * (rest.size() - 1));
+    next_.anchored[tip] = is_anchored(tip);
+  }
+}
+
+std::size_t ThreadPath::point_of(Index row) const {
+  const auto own = std::ranges::find(next_.passages, row);
+  return own == next_.passages.end() ? 0 : static_cast<std::size_t>(own - next_.passages.begin()) + 1;
+}
+
+/// Thread for a knot comes from the tails, and goes back there.
+void ThreadPath::take_from_tails(double length) {
+  for (const std::size_t tip : {0, 1}) {
+    double& tail = tip == 0 ? next_.rest_length.front() : next_.rest_length.back();
+    if (!is_anchored(tip)) tail = std::max(tail - 0.5 * length, 0.0);
+  }
+}
+
+void ThreadPath::take_over_knots() {
+  const auto same_as = [](const auto& knot) {
+    return [&knot](const auto& other) { return other.a == knot.a && other.b == knot.b; };
+  };
+  for (const KnotState& known : next_.knots) {
+    if (std::ranges::none_of(control_.knots, same_as(known))) take_from_tails(-known.rest_length);
+  }
+  std::erase_if(next_.knots,
+                [&](const KnotState& known) { return std::ranges::none_of(control_.knots, same_as(known)); });
+  for (const Knot& knot : control_.knots) {
+    const std::size_t a = point_of(knot.a), b = point_of(knot.b);
+    auto own = std::ranges::find_if(next_.knots, same_as(knot));
+    if (own == next_.knots.end()) {
+      const double rest = a > 0 && b > 0 ? (start_[b] - start_[a]).norm() : 0.0;
+      own = next_.knots.insert(own, {.a = knot.a, .b = knot.b, .rest_length = rest});
+      take_from_tails(rest);
+    }
+    own->broken = own->broken || a == 0 || b == 0;
+  }
+  for (const KnotState& knot : next_.knots) {
+    if (knot.broken) continue;
+    const std::size_t a = point_of(knot.a), b = point_of(knot.b);
+    const int throws = std::ranges::find_if(control_.knots, same_as(knot))->throws;
+    locked_[a - 1] = locked_[b - 1] = 1;
+    pieces_.push_back({.a = a, .b = b, .rest = knot.rest_length, .most = throws * thread_.throw_holding});
+  }
+}
+
+void ThreadPath::list_pieces() {
+  const std::size_t passages = next_.passages.size();
+  locked_.assign(passages, 0);
+  for (std::size_t k = 0; k <= passages; ++k) {
+    pieces_.push_back({.a = k, .b = k + 1, .rest = next_.rest_length[k], .given = next_.broken[k] ? 0.0 : -1.0});
+  }
+  for (const std::size_t tip : {0, 1}) {
+    const ThreadEnd& end = control_.ends[tip];
+    ThreadPiece& tail = pieces_[tip * passages];
+    if (end.hold == TipHold::anchored) continue;
+    const double force = end.force.norm();
+    tail.given = next_.broken[tip * passages] ? 0.0 : force;
+    if (force > 0.0) tail.along = (tip == 0 ? -1.0 : 1.0) / force * end.force;
+    if (end.hold == TipHold::fixed) locked_[tip * (passages - 1)] = 1;
+  }
+  take_over_knots();
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    ThreadPiece& piece = pieces_[k];
+    piece.compliance = std::max(piece.rest, least_rest) / stretch_;
+    if ((k == 0 && !is_anchored(0)) || (k == passages && !is_anchored(1))) continue;
+    const Vec3 d = start_[piece.b] - start_[piece.a];
+    const double length = d.norm();
+    if (length > least_length) piece.along = d / length;
+    piece.longer = (place_[piece.b] - place_[piece.a]).norm() - piece.rest;
+  }
+}
+
+void ThreadPath::put_segments(ThreadTensions& all) {
+  if (next_.passages.empty()) return;
+  first_point_ = all.points.size();
+  first_piece_ = all.pieces.size();
+  all.points.insert(all.points.end(), anchors_.begin(), anchors_.end());
+  for (std::size_t k = 0; k < next_.rest_length.size(); ++k) {
+    if (k > 0) {
+      const Vec3 &before = pieces_[k - 1].along, &after = pieces_[k].along;
+      const double wrap = std::atan2(before.cross(after).norm(), before.dot(after));  // 0 if one has no direction
+      all.bends.push_back({.slides = next_.slides[k - 1],
+                           .locked = locked_[k - 1] != 0,
+                           .growth = std::exp(std::min(thread_.friction * wrap, most_exponent)),
+                           .channel = thread_.channel_friction});
+    } else if (first_piece_ > 0) {
+      all.bends.push_back({});
+    }
+    all.pieces.push_back(pieces_[k]);
+    all.pieces.back().a += first_point_;
+    all.pieces.back().b += first_point_;
+  }
+}
+
+void ThreadPath::put_knots(ThreadTensions& all) {
+  first_knot_ = all.pieces.size();
+  for (std::size_t k = next_.rest_length.size(); k < pieces_.size(); ++k) {
+    all.pieces.push_back(pieces_[k]);
+    all.pieces.back().a += first_point_;
+    all.pieces.back().b += first_point_;
+  }
+}
+
+void ThreadPath::take(TouchedParticles& touched, const ThreadTensions& all) {
+  if (next_.passages.empty()) return;
+  const std::size_t segments = next_.rest_length.size();
+  for (std::size_t k = 0; k < pieces_.size(); ++k) {
+    const ThreadPiece& solved = all.pieces[k < segments ? first_piece_ + k : first_knot_ + k - segments];
+    pieces_[k].tension = solved.tension;
+    pieces_[k].lacks = solved.lacks;
+    pieces_[k].given = solved.given;
+    if (k > 0 && k < segments) next_.slides[k - 1] = all.bends[first_piece_ + k - 1].slides;
+  }
+  push(touched);
+  move_rest_length();
+  note_events();
+}
+
+bool ThreadPath::is_free_row(Index row) const {
+  const std::size_t last = passages_.size() - 1;
+  for (const std::size_t tip : {std::size_t{0}, std::size_t{1}}) {
+    if (control_.ends[tip].hold == TipHold::fixed && static_cast<std::size_t>(row) == tip * last) return false;
+  }
+  return std::ranges::none_of(next_.knots,
+                              [&](const KnotState& knot) { return !knot.broken && (knot.a == row || knot.b == row); });
+}
+
+void ThreadPath::push(TouchedParticles& touched) {
+  force_.assign(place_.size(), Vec3::Zero());
+  for (const ThreadPiece& piece : pieces_) {
+    force_[piece.a] += piece.tension * piece.along;
+    force_[piece.b] -= piece.tension * piece.along;
+  }
+  for (std::size_t i = 0; i < force_.size(); ++i) {
+    if (anchors_[i] == nullptr) continue;
+    for (std::size_t k = 0; k < anchors_[i]->particles.size(); ++k) {
+      TouchedParticles::Touched& particle = touched[touched.slot(anchors_[i]->particles[k])];
+      TouchedParticles::push(particle, touched.dt() * anchors_[i]->weights[k] * force_[i]);
+    }
+  }
+  next_.position.resize(place_.size());
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    next_.position[i] = anchors_[i] != nullptr ? place(touched, i, true) : place_[i];
+  }
+  for (const std::size_t tip : {0, 1}) {
+    next_.force[tip] = is_anchored(tip) ? force_[tip * (force_.size() - 1)] : Vec3(Vec3::Zero());
+  }
+}
+
+/// Within each group, so that the sum stays. A slack group stays as slack as it is.
+void ThreadPath::move_rest_length() {
+  std::vector<double>& rest = next_.rest_length;
+  for (std::size_t first = 0; first < rest.size();) {
+    const std::size_t end = end_of_group(first, rest.size(), [this](std::size_t k) { return next_.slides[k] != 0; });
+    const std::size_t given = given_in(pieces_, first, end);
+    double all = 0.0, lacks = 0.0;
+    for (std::size_t k = first; k < end; ++k) {
+      all += rest[k];
+      if (k != given) lacks += pieces_[k].lacks;
+    }
+    const double share = given < end || !(all > 0.0) ? 0.0 : lacks / all;
+    double moved = 0.0;
+    for (std::size_t k = first; end - first > 1 && k < end; ++k) {
+      if (k == given) continue;
+      rest[k] = std::max(rest[k] + pieces_[k].lacks - share * rest[k], least_rest);
+      moved += rest[k];
+    }
+    if (end - first > 1 && given < end) {
+      rest[given] = all - moved;  // below 0 where the tip has gone through
+    } else if (end - first > 1) {
+      for (std::size_t k = first; k < end; ++k) rest[k] *= all / moved;
+    }
+    first = end;
+  }
+}
+
+void ThreadPath::note_events() {
+  const std::size_t segments = next_.rest_length.size();
+  auto piece = pieces_.begin() + static_cast<std::ptrdiff_t>(segments);
+  for (KnotState& knot : next_.knots) {
+    knot.tension = 0.0;
+    if (knot.broken) continue;
+    knot.tension = piece->tension;
+    knot.broken = piece->tension > thread_.breaking_force;
+    const double slip = piece->given >= 0.0 ? std::max(piece->lacks, 0.0) : 0.0;
+    knot.rest_length += slip;
+    knot.slip += slip;
+    if (slip > 0.0) take_from_tails(slip);
+    ++piece;
+  }
+  for (std::size_t k = 0; k < segments; ++k) {
+    next_.tension[k] = pieces_[k].tension;
+    if (pieces_[k].tension > thread_.breaking_force) next_.broken[k] = 1;
+  }
+  for (std::size_t p = next_.passages.size(); p-- > 0;) {
+    if (!(force_[p + 1].norm() > thread_.passage_limit)) continue;
+    remove(p);
+    ++next_.torn;
+  }
+  std::size_t through = 0;
+  while ((through = passage_left()) < next_.passages.size()) {
+    remove(through);
+    ++next_.pulled_out;
+  }
+  for (double& rest : next_.rest_length) rest = std::max(rest, 0.0);
+}
+
+/// The first that a tip, or an end where the thread broke, has gone through: no length of it is left.
+std::size_t ThreadPath::passage_left() const {
+  const std::size_t last = next_.passages.size();
+  const auto is_through = [&](std::size_t k) {
+    const bool tail = k == 0 || k == last;
+    const bool loose = next_.broken[k] || (tail && control_.ends[k > 0].hold == TipHold::pulled);
+    return loose && next_.rest_length[k] <= 0.0;
+  };
+  std::size_t p = 0;
+  while (p < last && !(is_free_row(next_.passages[p]) && (is_through(p) || is_through(p + 1)))) ++p;
+  return p;
+}
+
+void ThreadPath::remove(std::size_t passage) {
+  const auto at = static_cast<std::ptrdiff_t>(passage);
+  next_.rest_length[passage] += next_.rest_length[passage + 1];
+  next_.broken[passage] |= next_.broken[passage + 1];
+  next_.tension[passage] = 0.0;
+  next_.rest_length.erase(next_.rest_length.begin() + at + 1);
+  next_.broken.erase(next_.broken.begin() + at + 1);
+  next_.tension.erase(next_.tension.begin() + at + 1);
+  next_.position.erase(next_.position.begin() + at + 1);
+  next_.passages.erase(next_.passages.begin() + at);
+  next_.slides.erase(next_.slides.begin() + at);
+}
+
+}  // namespace phymul

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+//
+// A sewn thread: points (a tip, the passages, the other tip) joined by straight segments without mass. It says where
+// they are in a step and what may slide; ThreadTensions finds the tensions; then it pulls at the particles, moves rest
+// length along and notes what broke.
+#pragma once
+
+#include <phymul/thread.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "interaction/predicted_step.h"
+#include "thread_tensions.h"
+
+namespace phymul {
+
+class ThreadPath {
+ public:
+  explicit ThreadPath(const SceneThread& thread);
+
+  const ThreadState& state() const { return state_; }
+  void restore(const ThreadState& state) { state_ = state; }
+  /// Takes over what holds the thread; `mass`: of all particles, kg. Passages of removed particles let go.
+  void follow(const SceneThread& thread, std::span<const double> mass);
+  std::vector<Index> particles() const;  ///< that it may pull, some more than once
+
+  /// A tip that is anchored outside the body: where, m, at the start and the end of the step.
+  struct Outside {
+    Vec3 start{0, 0, 0}, end{0, 0, 0};
+  };
+  /// Begins a step, where the particles would go by themselves.
+  void begin(TouchedParticles& touched, const std::array<Outside, 2>& tips);
+  void put_segments(ThreadTensions& all);
+  void put_knots(ThreadTensions& all);  ///< after the segments of all threads
+  void take(TouchedParticles& touched, const ThreadTensions& all);
+  /// N, of the last take(), on what a tip is anchored to.
+  const Vec3& force_at(ThreadTip tip) const { return next_.force[static_cast<std::size_t>(tip)]; }
+  void accept() { state_ = next_; }
+
+ private:
+  bool is_anchored(std::size_t tip) const { return control_.ends[tip].hold == TipHold::anchored; }
+  bool is_free_row(Index row) const;
+  std::size_t point_of(Index row) const;  // of SceneThread::passages; 0: the thread no longer goes through it
+  Vec3 place(TouchedParticles& touched, std::size_t point, bool end) const;
+  void set_first_lengths();
+  void take_from_tails(double length);
+  void take_over_knots();
+  void list_pieces();
+  void push(TouchedParticles& touched);
+  void move_rest_length();
+  void note_events();
+  std::size_t passage_left() const;
+  void remove(std::size_t passage);
+
+  Thread thread_;
+  double stretch_;
+  std::vector<Anchor> passages_;
+  ThreadControl control_;
+  ThreadState state_, next_;
+  // Of the step. Points are 0 ... segments; passage p is point p + 1, between pieces p and p + 1.
+  std::vector<const Anchor*> anchors_;  // [points] of particles; null: none
+  VecList start_, place_, force_;       // [points] m, at the start and predicted for the end; N
+  std::vector<ThreadPiece> pieces_;     // segments, then knots
+  std::vector<std::uint8_t> locked_;    // [passages]
+  std::size_t first_point_ = 0, first_piece_ = 0, first_knot_ = 0;  // in ThreadTensions
+};
+
+}  // namespace phymul

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+//
+// A free thread: nodes with mass, segments with tension, quadratic bending between neighbouring segments. One linearly
+// implicit Euler step of positions x and tensions T together,
+//   M (dx - dx*) / dt^2 + K x + G^T T = 0,   G dx - (l / EA) dT = -(C - (l / EA) T),   C = |d| - l,
+// where dx* is the way without inner forces and K has bending and what tension adds across a segment. The matrix is
+// symmetric and quasi-definite, so that LDL^T in fixed order needs no pivots (R. J. Vanderbei, "Symmetric quasidefinite
+// matrices", SIAM J. Optim. 5 (1995) 100-113).
+#pragma once
+
+#include <phymul/thread.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace phymul {
+
+class ThreadRod {
+ public:
+  explicit ThreadRod(const SceneThread& thread);  ///< straight and at rest, at its first place
+
+  const ThreadState& state() const { return state_; }
+  void restore(const ThreadState& state) { state_ = state; }
+  Index last() const { return static_cast<Index>(state_.position.size()) - 1; }
+
+  /// Begins a step: each node goes on with its velocity, gravity and the loads of the tips.
+  void begin(double dt, const Vec3& gravity);
+  void load(Index node, const Vec3& force);  ///< N
+  void give(Index node, const Vec3& way);    ///< m: it goes this way, whatever pulls it
+  /// The node is at a place, m, of a body that would go `way`, m, by itself. `inverse_mass`: 1/kg of the body there, by
+  /// axis; 0: the way is given.
+  void attach(Index node, const Vec3& place, const Vec3& way, const Vec3& inverse_mass);
+  void solve();
+  Vec3 way(Index node) const { return way_[node]; }  ///< m, of solve()
+  /// N, of the thread on what holds a tip, by tension and bending after solve().
+  Vec3 force_at(ThreadTip tip) const;
+  void report(ThreadTip tip, const Vec3& force) { force_[static_cast<std::size_t>(tip)] = force; }
+  void accept();  ///< the step counts
+
+ private:
+  static constexpr int band = 8, row = band + 1;
+
+  void start_newton();
+  void assemble();
+  void add_bending();
+  void add_segments();
+  void impose();
+  void factor_and_solve();
+  double& entry(std::size_t r, std::size_t c) { return matrix_[r * row + (band + c - r)]; }  // c <= r
+  bool bends(std::size_t node) const { return !state_.broken[node - 1] && !state_.broken[node]; }
+
+  double stretch_, bend_, segment_, node_mass_, damping_, breaking_force_;  // EA, EI, m, kg, 1/s, N
+  double dt_ = 0.0;
+  ThreadState state_;
+  // Of the step: [N]
+  VecList place_;                                            // m
+  VecList free_way_, way_;                                   // m: dx*, dx
+  VecList mass_;                                             // kg, by axis
+  std::vector<std::uint8_t> given_;                          // bit a: coordinate a
+  std::vector<double> tension_;                              // N [N - 1]
+  std::array<Vec3, 2> force_{Vec3(0, 0, 0), Vec3(0, 0, 0)};  // N, ThreadState::force
+  VecList along_;                                            // [N - 1] unit vectors
+  std::vector<double> matrix_, value_;  // [4 N][row], [4 N]: x, y, z of a node, then the tension after it
+};
+
+}  // namespace phymul

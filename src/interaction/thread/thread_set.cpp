@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "thread_set.h"
+
+#include <algorithm>
+
+namespace phymul {
+namespace {
+
+const ThreadState& state_of(const std::variant<ThreadRod, ThreadPath>& body) {
+  return std::visit([](const auto& own) -> const ThreadState& { return own.state(); }, body);
+}
+
+/// About the tool's position at the step's end; `at`: where the thread's force acts, m, at its start.
+void pull(const ThreadSet::AtTool& tool, const Vec3& at, const Vec3& force) {
+  tool.force->force += force;
+  tool.force->torque += (at - tool.end->position).cross(force);
+}
+
+}  // namespace
+
+ThreadSet::Moving ThreadSet::made(const SceneThread& thread) {
+  Moving made{.id = thread.id, .control = thread.control, .body = ThreadRod(thread)};
+  if (thread.is_sewn()) made.body.emplace<ThreadPath>(thread);
+  return made;
+}
+
+void ThreadSet::look(Moving& thread, const SceneThread& wanted, std::span<const double> mass) {
+  thread.seen = wanted.changes;
+  thread.control = wanted.control;
+  if (auto* const path = std::get_if<ThreadPath>(&thread.body)) path->follow(wanted, mass);
+}
+
+void ThreadSet::follow(const Scene& scene) {
+  std::vector<Moving> now;
+  now.reserve(scene.threads().size());
+  for (const SceneThread& thread : scene.threads()) {
+    const auto known = std::ranges::find(threads_, thread.id, &Moving::id);
+    now.push_back(known != threads_.end() ? *known : made(thread));
+    look(now.back(), thread, scene.model().mass);
+  }
+  threads_ = std::move(now);
+  gravity_ = scene.gravity();
+  find_together();
+}
+
+void ThreadSet::reset(const Scene& scene, const State& state) {
+  for (std::size_t row = 0; row < threads_.size(); ++row) {
+    const SceneThread& wanted = scene.threads()[row];
+    threads_[row] = made(wanted);
+    const auto known = std::ranges::find(state.threads, wanted.name, &ThreadState::name);
+    if (known != state.threads.end()) std::visit([&](auto& own) { own.restore(*known); }, threads_[row].body);
+    look(threads_[row], wanted, scene.model().mass);
+  }
+  steps_left_ = 1;
+  find_together();
+}
+
+void ThreadSet::read(State& state) const {
+  state.threads.resize(threads_.size());
+  for (std::size_t row = 0; row < threads_.size(); ++row) state.threads[row] = state_of(threads_[row].body);
+}
+
+const ThreadState& ThreadSet::state(const SceneThread& wanted) const {
+  const auto known = std::ranges::find(threads_, wanted.id, &Moving::id);
+  if (known != threads_.end()) return state_of(known->body);
+  unseen_ = state_of(made(wanted).body);
+  return unseen_;
+}
+
+void ThreadSet::begin_call(const Scene& scene, int steps, bool at_once) {
+  if (steps == 0) return;
+  steps_left_ = at_once ? 1 : steps;
+  for (std::size_t row = 0; row < threads_.size(); ++row) {
+    const SceneThread& wanted = scene.threads()[row];
+    if (threads_[row].seen == wanted.changes) continue;
+    look(threads_[row], wanted, scene.model().mass);
+    find_together();
+  }
+}
+
+/// A tip at `at`, m, that is elsewhere goes to the anchor in the steps that are left; null: it is there.
+ThreadSet::Tip ThreadSet::tip_of(const ThreadEnd& end, const Vec3* at, TouchedParticles& touched,
+                                 const FindTool& find_tool) const {
+  const Anchor& anchor = end.anchor;
+  Tip tip;
+  if (!anchor.particles.empty()) {
+    tip.in_body = true;
+    for (std::size_t k = 0; k < anchor.particles.size(); ++k) {
+      const TouchedParticles::Touched& particle = touched[touched.slot(anchor.particles[k])];
+      tip.place += anchor.weights[k] * particle.position;
+      tip.way += anchor.weights[k] * touched.dt() * particle.velocity;
+    }
+  } else {
+    Vec3 next = tip.place = anchor.point;
+    if (!anchor.tool.empty()) {
+      tip.tool = find_tool(anchor.tool);
+      tip.place = tip.tool.start->position + tip.tool.start->orientation * anchor.point;
+      next = tip.tool.end->position + tip.tool.end->orientation * anchor.point;
+    }
+    tip.way = next - tip.place;
+  }
+  if (at == nullptr) return tip;
+  const Vec3 apart = *at - tip.place, nearer = apart / steps_left_;
+  if (tip.in_body) {
+    tip.place = *at - nearer;
+  } else {
+    tip.place = *at;
+    tip.way -= nearer;
+  }
+  return tip;
+}
+
+void ThreadSet::act(ThreadRod& rod, const ThreadControl& control, TouchedParticles& touched,
+                    const FindTool& find_tool) const {
+  const double dt = touched.dt();
+  std::array<Tip, 2> tips;
+  std::array<Vec3, 2> mobility;
+  rod.begin(dt, gravity_);
+  const std::array ends{Index{0}, rod.last()};
+  for (const std::size_t t : {0, 1}) {
+    const ThreadEnd& end = control.ends[t];
+    if (end.hold != TipHold::anchored) {
+      rod.load(ends[t], end.force);
+      continue;
+    }
+    tips[t] = tip_of(end, &rod.state().position[ends[t]], touched, find_tool);
+    if (!tips[t].in_body) {
+      rod.give(ends[t], tips[t].way);
+      continue;
+    }
+    // What both tips share moves both: by no less than this, so that neither is pushed too far.
+    mobility[t] = mobility_between(touched, end.anchor, end.anchor);
+    mobility[t] += mobility_between(touched, end.anchor, control.ends[1 - t].anchor).cwiseAbs();
+    rod.attach(ends[t], tips[t].place, tips[t].way, mobility[t]);
+  }
+  for (const HeldNode& held : control.held) {
+    rod.give(held.node, (held.position - rod.state().position[held.node]) / steps_left_);
+  }
+  rod.solve();
+  for (const std::size_t t : {0, 1}) {
+    const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
+    const Anchor& anchor = control.ends[t].anchor;
+    if (control.ends[t].hold != TipHold::anchored) continue;
+    Vec3 force = rod.force_at(tip);
+    if (tips[t].in_body) {
+      for (int a = 0; a < 3; ++a) {
+        if (mobility[t][a] > 0.0) force[a] = (rod.way(ends[t])[a] - tips[t].way[a]) / (dt * dt * mobility[t][a]);
+      }
+      for (std::size_t k = 0; k < anchor.particles.size(); ++k) {
+        TouchedParticles::push(touched[touched.slot(anchor.particles[k])], dt * anchor.weights[k] * force);
+      }
+    } else if (tips[t].tool.force != nullptr) {
+      pull(tips[t].tool, tips[t].place, force);
+    }
+    rod.report(tip, force);
+  }
+}
+
+void ThreadSet::act(Together& together, TouchedParticles& touched, const FindTool& find_tool) {
+  ThreadTensions& all = together.tensions;
+  all.clear();
+  const auto path = [&](std::size_t row) -> ThreadPath& { return std::get<ThreadPath>(threads_[row].body); };
+  for (const std::size_t row : together.rows) {
+    const ThreadControl& control = threads_[row].control;
+    const ThreadState& state = path(row).state();
+    std::array<ThreadPath::Outside, 2> outside;
+    for (const std::size_t t : {0, 1}) {
+      tips_[row][t] = {};
+      if (control.ends[t].hold != TipHold::anchored || !control.ends[t].anchor.particles.empty()) continue;
+      const Vec3* const at = state.anchored[t] ? &state.position[t == 0 ? 0 : state.position.size() - 1] : nullptr;
+      Tip& tip = tips_[row][t] = tip_of(control.ends[t], at, touched, find_tool);
+      outside[t] = {tip.place, tip.place + tip.way};
+    }
+    path(row).begin(touched, outside);
+    path(row).put_segments(all);
+  }
+  for (const std::size_t row : together.rows) path(row).put_knots(all);
+  if (!all.pieces.empty()) all.solve(touched);
+  for (const std::size_t row : together.rows) {
+    path(row).take(touched, all);
+    for (const std::size_t t : {0, 1}) {
+      const Tip& tip = tips_[row][t];
+      if (tip.tool.force == nullptr) continue;
+      pull(tip.tool, tip.place, path(row).force_at(t == 0 ? ThreadTip::first : ThreadTip::last));
+    }
+  }
+}
+
+void ThreadSet::find_together() {
+  sewn_.clear();
+  tips_.resize(threads_.size());
+  std::vector<std::vector<Index>> particles;  // of each, with multiples
+  for (std::size_t row = 0; row < threads_.size(); ++row) {
+    const auto* const path = std::get_if<ThreadPath>(&threads_[row].body);
+    if (path == nullptr) continue;
+    Together own{.rows = {row}, .tensions = {}};
+    std::vector<Index> at = path->particles();
+    for (std::size_t known = 0; known < sewn_.size();) {
+      const bool shares = std::ranges::any_of(at, [&](Index i) { return std::ranges::count(particles[known], i) > 0; });
+      if (!shares) {
+        ++known;
+        continue;
+      }
+      own.rows.insert(own.rows.end(), sewn_[known].rows.begin(), sewn_[known].rows.end());
+      at.insert(at.end(), particles[known].begin(), particles[known].end());
+      sewn_.erase(sewn_.begin() + static_cast<std::ptrdiff_t>(known));
+      particles.erase(particles.begin() + static_cast<std::ptrdiff_t>(known));
+    }
+    std::ranges::sort(own.rows);
+    sewn_.push_back(std::move(own));
+    particles.push_back(std::move(at));
+  }
+}
+
+void ThreadSet::act(TouchedParticles& touched, const FindTool& find_tool) {
+  for (Moving& thread : threads_) {
+    if (auto* const rod = std::get_if<ThreadRod>(&thread.body)) act(*rod, thread.control, touched, find_tool);
+  }
+  for (Together& together : sewn_) act(together, touched, find_tool);
+}
+
+void ThreadSet::accept() {
+  for (Moving& thread : threads_) std::visit([](auto& own) { own.accept(); }, thread.body);
+  steps_left_ = std::max(1, steps_left_ - 1);
+}
+
+}  // namespace phymul

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+//
+// The threads of a scene as one solver moves them: what holds their tips and nodes step by step. In double precision
+// whatever the backend's own is.
+#pragma once
+
+#include <phymul/scene.h>
+#include <phymul/state.h>
+
+#include <functional>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "interaction/predicted_step.h"
+#include "thread_path.h"
+#include "thread_rod.h"
+
+namespace phymul {
+
+class ThreadSet {
+ public:
+  /// Takes over the scene's threads after a change; threads that stay keep their state. Allocates.
+  void follow(const Scene& scene);
+  bool empty() const { return threads_.empty(); }
+
+  void reset(const Scene& scene, const State& state);
+  void read(State& state) const;
+  /// A call of `steps` steps begins: looks for what holds the threads now. `at_once`: nodes go there in the first step.
+  void begin_call(const Scene& scene, int steps, bool at_once);
+
+  /// A tool in the step.
+  struct AtTool {
+    const ToolPose *start = nullptr, *end = nullptr;
+    ToolForce* force = nullptr;  ///< takes what the thread does
+  };
+  using FindTool = std::function<AtTool(std::string_view name)>;
+  void act(TouchedParticles& touched, const FindTool& find_tool);
+  void accept();  ///< the step counts; without it the next act() does it over
+
+  /// Of a thread of the scene as it is now. Good until the next call of a function of this class.
+  const ThreadState& state(const SceneThread& wanted) const;
+
+ private:
+  struct Moving {
+    std::uint64_t id = 0, seen = 0;  // SceneThread's id and changes
+    ThreadControl control;
+    std::variant<ThreadRod, ThreadPath> body;
+  };
+  /// Where a tip is to be in the step: the place at its start and the way of what it is anchored to.
+  struct Tip {
+    bool in_body = false;
+    Vec3 place{0, 0, 0}, way{0, 0, 0};  // m
+    AtTool tool;
+  };
+
+  static Moving made(const SceneThread& thread);
+  static void look(Moving& thread, const SceneThread& wanted, std::span<const double> mass);
+  Tip tip_of(const ThreadEnd& end, const Vec3* at, TouchedParticles& touched, const FindTool& find_tool) const;
+  void act(ThreadRod& rod, const ThreadControl& control, TouchedParticles& touched, const FindTool& find_tool) const;
+  /// Sewn threads that share particles, or one alone.
+  struct Together {
+    std::vector<std::size_t> rows;
+    ThreadTensions tensions;
+  };
+  void act(Together& together, TouchedParticles& touched, const FindTool& find_tool);
+  void find_together();
+
+  std::vector<Moving> threads_;
+  std::vector<Together> sewn_;
+  std::vector<std::array<Tip, 2>> tips_;  // of the step
+  Vec3 gravity_{0, 0, 0};                 // m/s^2
+  int steps_left_ = 1;                    // of the call
+  mutable ThreadState unseen_;
+};
+
+}  // namespace phymul
