@@ -36,6 +36,13 @@ class Builder {
          {{r, end, 0, -1}, {hub, end, 0, -1}, {hub, end, 1, 0}, {hub, back, 1, 0}, {hub, back, 0, 1}, {0, back, 0, 1}});
   }
 
+  /// A plate behind the edge, seen from both sides.
+  void operator()(const phymul::Blade& blade) {
+    const double a = 0.5 * blade.width, back = 0.5 * blade.width;
+    quad({-a, 0, 0}, {a, 0, 0}, {a, 0, back}, {-a, 0, back});
+    quad({-a, 0, back}, {a, 0, back}, {a, 0, 0}, {-a, 0, 0});
+  }
+
   void operator()(const phymul::HalfSpace&) {
     const double a = around_;
     quad({-a, -a, 0}, {a, -a, 0}, {a, a, 0}, {-a, a, 0});

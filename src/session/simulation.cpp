@@ -12,9 +12,7 @@
 
 #include "base/decimal.h"
 #include "base/file_error.h"
-#include "body/cut_places.h"
 #include "elastic/dissipation.h"
-#include "model/cell_geometry.h"
 #include "simulation_parts.h"
 #include "solver/half_step.h"
 #include "warnings.h"
@@ -137,49 +135,6 @@ void Simulation::Parts::bring_back(const Snapshot& snapshot) {
   scene.bring_back(*snapshot.scene);
   for (std::size_t row = 0; row < std::min(tools.size(), snapshot.tools.size()); ++row) {
     scene.tool(tools[row].first).move_to(snapshot.tools[row].target);
-  }
-}
-
-BodyEdit& Simulation::Parts::body_edit() {
-  // The solver first: it estimates its steps from the body as it was, whatever is done before its first step.
-  solver();
-  if (!edit) edit = std::make_unique<BodyEdit>(model, *topology);
-  return *edit;
-}
-
-/// Cuts are undone, and those that were undone made again, while no cell is removed.
-void Simulation::Parts::change_body(const std::vector<Index>& removed, const BodyCuts& cuts) {
-  const auto without = [](const std::vector<Index>& a, const std::vector<Index>& b) {
-    std::vector<Index> rest;
-    std::ranges::set_difference(a, b, std::back_inserter(rest));
-    return rest;
-  };
-  const auto set_removed = [&](const std::vector<Index>& to) {
-    const std::vector<Index> from = topology->removed;
-    body_edit().set_shares(without(from, to), 1.0);
-    body_edit().set_shares(without(to, from), 0.0);
-  };
-  const auto same = [](const auto& a, const auto& b) { return a == b || *a == *b; };
-  const auto stays = std::ranges::mismatch(topology->cuts, cuts, same);
-  const bool only_further = stays.in1 == topology->cuts.end() && removed == topology->removed;
-  if (!only_further && !equal_cuts(topology->cuts, cuts)) set_removed({});
-  const auto kept = static_cast<std::size_t>(stays.in2 - cuts.begin());
-  while (topology->cuts.size() > kept) body_edit().undo();
-  for (std::size_t k = kept; k < cuts.size(); ++k) body_edit().make(cuts[k]);
-  set_removed(removed);
-  scene.body_changed(topology->cuts);
-}
-
-void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCuts& cuts) {
-  if (removed == topology->removed && equal_cuts(cuts, topology->cuts)) return;
-  const std::vector<Index> removed_before = topology->removed;
-  const BodyCuts cuts_before = topology->cuts;
-  change_body(removed, cuts);
-  try {
-    solver().body_changed();
-  } catch (...) {
-    change_body(removed_before, cuts_before);
-    throw;
   }
 }
 
@@ -361,45 +316,6 @@ bool Simulation::rewind(double time) {
   parts_->history->rewind(parts_->solver(), time);
   parts_->state_changed();
   return true;
-}
-
-void Simulation::remove_cells(std::span<const Index> cells) {
-  std::vector<Index> removed = parts_->topology->removed;
-  for (const Index row : cells) {
-    const auto count = static_cast<Index>(model().cells.size());
-    if (row >= 0 && row < count) continue;
-    throw Error("Simulation::remove_cells: expected rows of Model::cells from 0 to " + std::to_string(count - 1) +
-                ", got " + std::to_string(row));
-  }
-  removed.insert(removed.end(), cells.begin(), cells.end());
-  std::ranges::sort(removed);
-  const auto again = std::ranges::unique(removed);
-  removed.erase(again.begin(), again.end());
-  parts_->set_body(removed, cuts());
-  if (parts_->recorder) parts_->recorder->body_changed();
-}
-
-bool Simulation::cut(const CutSurface& surface) {
-  std::vector<Index> cells;
-  for (Index row = 0; row < static_cast<Index>(model().cells.size()); ++row) {
-    if (is_solid(model().dimension, model().cells[row])) cells.push_back(row);
-  }
-  const CutPlaces places(model(), cells, surface, "Simulation::cut");
-  BodyCut found = parts_->body_edit().find_cut(places.cut());
-  if (found.empty()) return false;
-  BodyCuts all = cuts();
-  all.push_back(std::make_shared<const BodyCut>(std::move(found)));
-  parts_->set_body(removed_cells(), all);
-  if (parts_->recorder) parts_->recorder->body_changed();
-  return true;
-}
-
-const BodyCuts& Simulation::cuts() const {
-  return parts_->topology->cuts;
-}
-
-const std::vector<Index>& Simulation::removed_cells() const {
-  return parts_->topology->removed;
 }
 
 void Simulation::record() {
