@@ -58,8 +58,7 @@ PHYMUL_API phymul_status phymul_backends(const char** names);
 // STL, OBJ, PLY or glTF, mended; metres_per_unit of the file, 0: 1.
 PHYMUL_API phymul_status phymul_surface_read(const char* path, double metres_per_unit, phymul_surface** made);
 PHYMUL_API void phymul_surface_free(phymul_surface* surface);  // NULL is allowed, as in every function that frees
-PHYMUL_API phymul_status phymul_surface_vertices(const phymul_surface* surface, const double** vertices,
-                                                 int32_t* count);
+PHYMUL_API phymul_status phymul_surface_vertices(const phymul_surface* from, const double** vertices, int32_t* count);
 PHYMUL_API phymul_status phymul_surface_triangles(const phymul_surface* surface, const int32_t** triangles,
                                                   int32_t* count);  // [count][3] vertices
 
@@ -261,8 +260,9 @@ typedef struct phymul_tool_options {
   double half_size[3];      // m, of a box
   const phymul_pose* pose;  // NULL: at the origin
   double friction;
-  double compliance, margin;  // m/N, m
-  int32_t contact;            // PHYMUL_TOUCHES_PARTICLES or PHYMUL_TOUCHES_SURFACE
+  double compliance;  // m/N
+  double margin;      // m
+  int32_t contact;    // PHYMUL_TOUCHES_PARTICLES or PHYMUL_TOUCHES_SURFACE
   int32_t unused;
   double toughness;  // J/m^2, of a blade
 } phymul_tool_options;

@@ -25,13 +25,15 @@ int main() try {
   sim.cut(cut);
   if (!sim.advance(0.5).ok()) return 1;
 
-  const phymul::VecList now = sim.solver().read().position;
+  const phymul::VecList after = sim.solver().read().position;
   double opening = 0.0;  // m, of what lay at one place before
   for (const phymul::BodyCut::Copy& copy : sim.cuts().back()->copies) {
-    opening = std::max(opening, (now[copy.particle] - now[copy.of]).norm());
+    opening = std::max(opening, (after[copy.particle] - after[copy.of]).norm());
   }
   std::printf("cut: %zu spare particles used, the mouth opens by %.1f mm\n", sim.cuts().back()->copies.size(),
               1e3 * opening);
+
+  const phymul::VecList now = sim.solver().read().position;
   sim.remove_cells(sim.model().cells_in(
       [](const phymul::Vec3& x) { return (x - phymul::Vec3(0.08, 0.0, 0.025)).norm() < 0.02; }, now));
   if (!sim.advance(0.3).ok()) return 1;

@@ -45,7 +45,8 @@ constexpr const char* no_tools =
 constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_surfaces =
-    "the scene has a Blade or a tool with ToolContact::surface, which this backend does not take; use \"cpu\", \"gl-compute\" or "
+    "the scene has a Blade or a tool with ToolContact::surface, which this backend does not take; use \"cpu\", "
+    "\"gl-compute\" or "
     "\"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
@@ -229,24 +230,6 @@ void SolverBackend::follow_joints() {
   if (stiff_joints_) stiff_joints_->follow(*scene_, *topology_, frame_.fixed, local_steps());
 }
 
-double SolverBackend::stiffness_factor() const {
-  const std::vector<double>& factors = scene_->stiffness_factors();
-  if (factors.empty() || topology_->domains.empty() || own_spectrum_.largest == 0.0) return 1.0;
-  if (factors.size() == 1) return factors.front();
-  // With the first factors, even if they are alike: others may come in steps, which do not allocate.
-  if (!materials_) materials_ = std::make_unique<MaterialSpectra>(*topology_);
-  const auto [least, most] = std::ranges::minmax(factors);
-  return least == most ? most : materials_->largest(own_spectrum_.largest, factors) / own_spectrum_.largest;
-}
-
-Spectrum SolverBackend::spectrum() const {
-  Spectrum now = own_spectrum_;
-  now.largest *= stiffness_factor();
-  now.most_negative *= stiffness_factor();
-  now.largest_imaginary *= stiffness_factor();
-  return now;
-}
-
 const TopologyTextures& SolverBackend::elastic() const {
   return scaled_->of(*topology_, scene_->stiffness_factors());
 }
@@ -286,7 +269,8 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
     throw Error(
         "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
-        "particles, other options of the tables, other cuts or other removed cells; the solver keeps its state. Restore it into a "
+        "particles, other options of the tables, other cuts or other removed cells; the solver keeps its state. "
+        "Restore it into a "
         "solver over the same "
         "tables, or reset() to the snapshot's state where only positions are wanted");
   }

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "elastic/domain_forces.h"
+#include "elastic/material_spectra.h"
 #include "interaction/joint_set.h"
 #include "model/cell_geometry.h"
 #include "scene/loose_parts.h"
@@ -255,6 +256,24 @@ void SolverBackend::note_strain(const Motion& motion, StepReport& report) {
     report.particle = i;
     return;
   }
+}
+
+double SolverBackend::stiffness_factor() const {
+  const std::vector<double>& factors = scene_->stiffness_factors();
+  if (factors.empty() || topology_->domains.empty() || own_spectrum_.largest == 0.0) return 1.0;
+  if (factors.size() == 1) return factors.front();
+  // With the first factors, even if they are alike: others may come in steps, which do not allocate.
+  if (!materials_) materials_ = std::make_unique<MaterialSpectra>(*topology_);
+  const auto [least, most] = std::ranges::minmax(factors);
+  return least == most ? most : materials_->largest(own_spectrum_.largest, factors) / own_spectrum_.largest;
+}
+
+Spectrum SolverBackend::spectrum() const {
+  Spectrum now = own_spectrum_;
+  now.largest *= stiffness_factor();
+  now.most_negative *= stiffness_factor();
+  now.largest_imaginary *= stiffness_factor();
+  return now;
 }
 
 }  // namespace phymul

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+//
+// Cuts of a body and its tables.
+#include <phymul/error.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "body_edit.h"
+
+namespace phymul {
+
+BodyCut BodyEdit::find_cut(const CutCells& cut) const {
+  const CutBody body{.model = model_,
+                     .cells_of = cells_of_,
+                     .mass = mass_,
+                     .mass_of_corner = [&](Index row) { return mass_of_corner_[row]; },
+                     .spare = [&](std::size_t k) { return k < spare_.size() ? spare_[spare_.size() - 1 - k] : none; }};
+  BodyCut found = cut_cells(body, cut);
+  if (found.copies.size() > spare_.size()) {
+    if (cut.refused != nullptr) {
+      *cut.refused += found.added.size();
+      return {};
+    }
+    throw Error(ErrorCode::not_supported,
+                std::string(cut.who) + ": the cut needs copies of " + std::to_string(found.copies.size()) +
+                    " particles, and the body has " + std::to_string(spare_.size()) +
+                    " spare ones left; make more with with_spare_particles(), about 2.3 for each square spacing of cut "
+                    "surface");
+  }
+  return found;
+}
+
+void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
+  for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
+  make_cut(*cut, model_);
+  for (const BodyCut::Change& change : cut->changed) {
+    whole_share_[change.row] = change.after.share;
+    take_cell(change.row);
+  }
+  auto row = static_cast<Index>(whole_share_.size());
+  for (const BodyCut::Added& added : cut->added) {
+    whole_share_.push_back(added.part.share);
+    mass_of_corner_.push_back(0.0);
+    at_start_.push_back(at_start_[added.of]);
+    take_cell(row++);
+  }
+  for (const BodyCut::Copy& copy : cut->copies) {
+    spare_.pop_back();
+    topology_.rest[copy.particle] = model_.rest[copy.particle];
+    topology_.stiffness[copy.particle] = model_.stiffness[copy.particle];
+    topology_.copied.push_back({copy.particle, copy.of});
+    const Index first = first_of_[copy.particle] = first_of_[copy.of];
+    std::vector<Index>& family = copies_[first];
+    if (family.empty()) family.push_back(first);
+    family.push_back(copy.particle);
+    for (Index d = topology_.first_domain[copy.of]; d < topology_.first_domain[copy.of + 1]; ++d) {
+      const Index own = domain_of(copy.particle, topology_.domains[d].material);
+      topology_.domains[own].energy = topology_.domains[d].energy;
+      topology_.domains[own].spread_stiffness = topology_.domains[d].spread_stiffness;
+      modulus_[own] = modulus_[d];
+    }
+  }
+  for (const BodyCut::Mass& mass : cut->masses) mass_[mass.particle] = mass.after;
+  topology_.cuts.push_back(cut);
+  follow_cut(*cut);
+}
+
+void BodyEdit::undo() {
+  const std::shared_ptr<const BodyCut> cut = topology_.cuts.back();
+  for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
+  const std::size_t rows = model_.cells.size() - cut->added.size();
+  for (std::size_t row = rows; row < model_.cells.size(); ++row) lift_cell(static_cast<Index>(row));
+  undo_cut(*cut, model_);
+  whole_share_.resize(rows);
+  mass_of_corner_.resize(rows);
+  at_start_.resize(rows);
+  for (const BodyCut::Change& change : cut->changed) {
+    whole_share_[change.row] = change.before.share;
+    take_cell(change.row);
+  }
+  for (auto copy = cut->copies.rbegin(); copy != cut->copies.rend(); ++copy) {
+    spare_.push_back(copy->particle);
+    const auto family = copies_.find(first_of_[copy->particle]);
+    std::erase(family->second, copy->particle);
+    if (family->second.size() == 1) copies_.erase(family);
+    first_of_[copy->particle] = copy->particle;
+    topology_.rest[copy->particle] = model_.rest[copy->particle] = spare_places_[copy->particle];
+    topology_.stiffness[copy->particle] = model_.stiffness[copy->particle];
+  }
+  for (const BodyCut::Mass& mass : cut->masses) mass_[mass.particle] = mass.before;
+  topology_.cuts.pop_back();
+  follow_cut(*cut);
+}
+
+void BodyEdit::follow_cut(const BodyCut& cut) {
+  std::vector<Index> domains, particles;
+  const auto add = [&](const BodyCut::Part& part, Index material) {
+    for (const Index i : part.particles) {
+      particles.push_back(i);
+      domains.push_back(domain_of(i, material));
+    }
+  };
+  for (const BodyCut::Change& change : cut.changed) {
+    add(change.before, model_.cells[change.row].material);
+    add(change.after, model_.cells[change.row].material);
+  }
+  for (const BodyCut::Added& added : cut.added) add(added.part, model_.cells[added.of].material);
+  for (const Index i : particles) weigh_lumped(i);
+  follow(std::move(domains), std::move(particles));
+}
+
+}  // namespace phymul
