@@ -183,7 +183,17 @@ class CellSearch {
     }
     // Far outside of a warped cell the map may have no such point.
     if (!((at(local) - point).norm() < 1e-9 * box.diagonal().norm())) return {};
-    return {row, shape_functions(cell.type, local), outside(cell.type, local)};
+    Place place{row, shape_functions(cell.type, local), outside(cell.type, local)};
+    // Parts of a cut cell lie in one place: the point is in the one that has tissue there.
+    for (const CellCut& cut : cell.cuts) {
+      double value = 0.0, largest = 0.0;
+      for (std::size_t v = 0; v < 4; ++v) {
+        value += place.weight[v] * cut[v];
+        largest = std::max(largest, std::abs(cut[v]));
+      }
+      place.outside = std::max(place.outside, -value / largest);
+    }
+    return place;
   }
 
   const Model& model_;

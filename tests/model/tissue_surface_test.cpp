@@ -2,6 +2,7 @@
 //
 // The surface of what cuts and removals leave.
 #include <gtest/gtest.h>
+#include <phymul/bodies.h>
 #include <phymul/monitor.h>
 #include <phymul/phymul.h>
 #include <phymul/surface.h>
@@ -81,6 +82,26 @@ TEST(TissueSurface, OfTrianglesHasNoHoleAtTheFront) {
   cut.front = [](const Vec3& x) { return x.y() - 0.02; };
   ASSERT_TRUE(sim.cut(cut));
   EXPECT_GE(area(sim.model()), whole * (1.0 - 1e-12));
+}
+
+/// Skins, anchors and passages of threads: of the parts of a cut cell the one that has tissue there holds the point.
+TEST(TissueSurface, PointsBelongToTheirSide) {
+  Simulation sim(with_spare_particles(slab(), 300), options_for("reference"));
+  ASSERT_TRUE(sim.cut(cut_plane({0.0355, 0.0, 0.0}, {1.0, 0.0, 0.0})));
+  const auto pieces = connected_bodies(sim.model());
+  ASSERT_EQ(pieces.size(), 2u);
+  VecList points, now = sim.model().rest;
+  for (double y = 0.003; y < 0.04; y += 0.005) {
+    for (double z = 0.003; z < 0.03; z += 0.005) {
+      for (const double x : {0.033, 0.0349, 0.0361, 0.038}) points.emplace_back(x, y, z);
+    }
+  }
+  const bool second_is_right = sim.model().rest[pieces[1].particles.front()].x() > 0.0355;
+  for (const Index i : pieces[second_is_right ? 1 : 0].particles) now[i].y() += 1.0;
+  const VecList moved = Skin(sim.model(), points).deform(now);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    EXPECT_NEAR(moved[k].y() - points[k].y(), points[k].x() > 0.0355 ? 1.0 : 0.0, 1e-9) << points[k].transpose();
+  }
 }
 
 TEST(TissueSurface, RefusesPlanes) {
