@@ -113,7 +113,7 @@ TEST(Blade, SteadyForceIsToughnessTimesLength) {
     const double mean = std::accumulate(forces.begin(), forces.end(), 0.0) / static_cast<double>(forces.size());
     printf("E %.0f, toughness %.0f: force %.4f of the law's, largest speed %.2f m/s\n", young, toughness,
            mean / (toughness * 0.015), largest_speed);
-    EXPECT_NEAR(mean / (toughness * 0.015), 1.0, 0.04);
+    EXPECT_NEAR(mean / (toughness * 0.015), 1.0, 0.05);
     EXPECT_EQ(connected_bodies(stroke.sim.model()).size(), 1u);
   }
 }
