@@ -76,9 +76,9 @@ struct Tool {
 /// without touching one; ToolContact::surface needs none. It is stretch * r - t, but at least 0: r is the largest
 /// covering radius of the surface's triangles, the distance from the farthest point of a triangle to its nearest
 /// corner. t is the least radius of the shape: the radius of a Sphere or Capsule, the least half size of a Box, 0 for a
-/// DistanceGrid. The result is 0 for a HalfSpace, for a Needle, which finds the surface's triangles itself, and for a Blade.
-/// `stretch` > 0: factor by which edges of the surface grow, in particular where the tool parts them; 1 is for the rest
-/// shape. Throws Error for a model without a surface and for a stretch that is not above 0.
+/// DistanceGrid. The result is 0 for a HalfSpace, for a Needle, which finds the surface's triangles itself, and for a
+/// Blade. `stretch` > 0: factor by which edges of the surface grow, in particular where the tool parts them; 1 is for
+/// the rest shape. Throws Error for a model without a surface and for a stretch that is not above 0.
 double least_margin(const Model& model, const ToolShape& shape, double stretch = 1.25);
 
 /// Force, N, and torque about the tool's position, N m, of the particles on a tool, along the axes of the world. A tool

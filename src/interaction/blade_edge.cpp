@@ -163,7 +163,8 @@ void BladeEdge::go_on(const TouchedParticles& touched, const Vec3& edge, const V
   point.site = -1;
 }
 
-/// At its limit the edge goes on in the tissue: a half of that at least, while it comes nearer to what it holds.
+/// At its limit the edge moves through the tissue by `by`, m. What it holds moves by half of that, so that the edge
+/// comes nearer to it, or by all of it where the nearer tissue is cut.
 void BladeEdge::slide(const TouchedParticles& touched, const Vec3& edge, const Vec3& way, double by,
                       Point& point) const {
   for (const double ahead : {std::max(0.0, point.ahead - 0.5 * by), point.ahead}) {

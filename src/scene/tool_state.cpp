@@ -35,7 +35,9 @@ bool fits(const ToolState& tool, Index particle_count) {
   if (tool.held.size() != tool.held_at.size()) return false;
   if (!(std::abs(tool.needle.slip) <= longest_needle)) return false;
   if (!std::ranges::all_of(tool.needle.shaft, [](const ShaftLoad& load) { return fits(load); })) return false;
-  if (!std::ranges::all_of(tool.blade, [](const BladePoint& p) { return std::isfinite(p.along) && std::isfinite(p.ahead) && fits(p.weights); })) {
+  if (!std::ranges::all_of(tool.blade, [](const BladePoint& p) {
+        return std::isfinite(p.along) && std::isfinite(p.ahead) && fits(p.weights);
+      })) {
     return false;
   }
   if (!std::ranges::all_of(tool.held, is_particle) || !std::ranges::all_of(tool.held_at, finite)) return false;

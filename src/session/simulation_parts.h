@@ -47,7 +47,7 @@ struct Simulation::Parts {
   Model model;
   Scene scene;
   std::shared_ptr<TopologyTextures> topology;
-  std::unique_ptr<BodyEdit> edit;  ///< of model and topology, by body_edit()
+  std::unique_ptr<BodyEdit> edit;                 ///< of model and topology, by body_edit()
   std::map<std::uint64_t, ToolPose> blade_poses;  ///< by SceneTool::id, where cut_with_blades() saw them last
   ScaledTables scaled;
 

@@ -179,9 +179,10 @@ Choice choose(const std::shared_ptr<const TopologyTextures>& topology, const Sce
         std::move(cpu), "the scene has needles, and what they cost a GPU no trial shows before they are in tissue");
   }
   if (touches_surface(scene.tools())) {
-    return processor_because(std::move(cpu),
-                             "the scene has a Blade or a tool with ToolContact::surface, and no trial shows what it costs the "
-                             "processor before it touches");
+    return processor_because(
+        std::move(cpu),
+        "the scene has a Blade or a tool with ToolContact::surface, and no trial shows what it costs the "
+        "processor before it touches");
   }
   if (!scene.threads().empty()) {
     return processor_because(std::move(cpu), "the scene has threads, which act on the processor in every step");

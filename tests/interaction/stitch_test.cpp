@@ -209,7 +209,7 @@ TEST(Stitch, MoreStitchesCloseAWoundFurther) {
   EXPECT_LT(last, 3e-3);
 }
 
-/// What gives way does so once, and the body goes on.
+/// A thread that breaks and a passage that tears do so once, and the simulation continues.
 TEST(Stitch, AThreadBreaksAndTissueTearsAtTheirLimits) {
   for (const bool breaks : {true, false}) {
     for (const double share : {0.4, 1.3}) {

@@ -3,7 +3,6 @@
 // Simulation::cut: the body that is left against one built anew, on every backend, and what follows it.
 #include <gtest/gtest.h>
 #include <phymul/bodies.h>
-#include <phymul/elasticity.h>
 #include <phymul/monitor.h>
 #include <phymul/phymul.h>
 #include <phymul/step_limit.h>
@@ -21,23 +20,6 @@ namespace phymul {
 namespace {
 
 using namespace test;
-
-TopologyTextures built_from_cut(const Simulation& sim) {
-  return build_topology(sim.model(), {.stabiliser = sim.solver().topology().options.stabiliser});
-}
-
-/// Largest difference of the elastic forces of two tables at random places, over the largest force.
-double apart_by(const TopologyTextures& a, const TopologyTextures& b, const Model& model) {
-  VecList x = random_positions(model, 0.2, 5), of_a(x.size()), of_b(x.size());
-  elastic_forces(a, x, of_a);
-  elastic_forces(b, x, of_b);
-  double largest = 0.0, apart = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    largest = std::max(largest, of_b[i].norm());
-    apart = std::max(apart, (of_a[i] - of_b[i]).norm());
-  }
-  return apart / largest;
-}
 
 CutSurface random_plane(std::mt19937& random, const Model& model) {
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -63,9 +45,10 @@ TEST(Cut, LeavesTheTablesOfABodyBuiltAnew) {
     SimulationOptions options;
     if (regions) options.topology.stabiliser = 0.4;
     Simulation sim(with_spare_particles(model, 400), options);
-    EXPECT_LT(apart_by(sim.solver().topology(), build_topology(sim.model(), options.topology), sim.model()), 1e-15);
+    EXPECT_LT(difference_of_forces(sim.solver().topology(), build_topology(sim.model(), options.topology), sim.model()),
+              1e-15);
     ASSERT_TRUE(sim.cut(half_way()));
-    EXPECT_LT(apart_by(sim.solver().topology(), built_from_cut(sim), sim.model()), 1e-12);
+    EXPECT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12);
 
     const Model at_once = cut_body(model, half_way());
     ASSERT_EQ(at_once.cells.size(), sim.model().cells.size());
@@ -73,7 +56,7 @@ TEST(Cut, LeavesTheTablesOfABodyBuiltAnew) {
     ASSERT_TRUE(sim.cut(cut_plane({0.0, 0.021, 0.0}, {0.1, 1.0, 0.0})));
     ASSERT_TRUE(sim.cut(cut_plane({0.0, 0.0, 0.014}, {0.0, 0.1, 1.0})));
     EXPECT_EQ(sim.cuts().size(), 3u);
-    EXPECT_LT(apart_by(sim.solver().topology(), built_from_cut(sim), sim.model()), 1e-12);
+    EXPECT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12);
     EXPECT_NEAR(volume(sim.model(), sim.model().rest) / volume(model, model.rest), 1.0, 1e-12);
     if (!regions) {
       EXPECT_NEAR(total_mass(sim.model()) / total_mass(model), 1.0, 1e-12);
@@ -106,7 +89,7 @@ TEST(Cut, RandomEditsLeaveNoStaleRow) {
     }
     if (edit % 7 == 0 && kept.size() < 20) kept.push_back(sim.snapshot());
     if (edit % 20 != 0) continue;
-    ASSERT_LT(apart_by(sim.solver().topology(), built_from_cut(sim), sim.model()), 1e-12) << edit;
+    ASSERT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12) << edit;
     validate(sim.model());
   }
   EXPECT_GT(cuts, 300);
@@ -137,8 +120,7 @@ TEST_P(CutOn, MovesOnAsABodyBuiltAnew) {
   scene.fix("x0").gravity({0, 0, -9.81});
   SolverOptions options;
   options.damping = sim.solver().options().damping;
-  const auto anew =
-      make_solver("reference", std::make_shared<const TopologyTextures>(built_from_cut(sim)), scene, options);
+  const auto anew = make_solver("reference", std::make_shared<const TopologyTextures>(built_anew(sim)), scene, options);
   anew->reset(after);
   const double dt = 0.5 * sim.step_limit();
   ASSERT_TRUE(sim.step(400, dt).ok());
@@ -282,7 +264,7 @@ TEST(Cut, LeavesTheStepALittleShorter) {
   for (int k = 0; k < 24; ++k) {
     if (k % 3 == 0) sim.restore(whole);
     if (!sim.cut(random_plane(random, sim.model()))) continue;
-    const TopologyTextures anew = built_from_cut(sim);
+    const TopologyTextures anew = built_anew(sim);
     const double now = estimate_spectrum(anew, anew.rest).largest;
     const double said = before * std::pow(limit / sim.solver().stable_step(), 2);
     least = std::min(least, said / now);

@@ -19,25 +19,6 @@ namespace {
 
 using namespace test;
 
-/// The tables of the simulation's model as it is now, with the stabiliser that the body has.
-TopologyTextures built_anew(const Simulation& sim) {
-  return build_topology(sim.model(), {.stabiliser = sim.solver().topology().options.stabiliser});
-}
-
-/// Largest difference of the elastic forces of two tables at random places, over the largest force.
-double difference_of_forces(const TopologyTextures& a, const TopologyTextures& b, const Model& model,
-                            std::uint32_t seed) {
-  VecList x = random_positions(model, 0.2, seed), of_a(x.size()), of_b(x.size());
-  elastic_forces(a, x, of_a);
-  elastic_forces(b, x, of_b);
-  double largest = 0.0, apart = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    largest = std::max(largest, of_b[i].norm());
-    apart = std::max(apart, (of_a[i] - of_b[i]).norm());
-  }
-  return apart / largest;
-}
-
 struct Kind {
   const char* name;
   Model model;

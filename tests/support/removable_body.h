@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// A body whose cells tests remove.
+// A body whose cells tests remove or cut, and its tables against those of a body built anew.
 #pragma once
 
+#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
+
+#include "bodies.h"
 
 namespace phymul::test {
 
@@ -24,6 +30,25 @@ inline SimulationOptions options_for(const std::string& backend) {
   options.material = {5e3, 0.4, 1000.0};
   options.damping.rate = 10.0;
   return options;
+}
+
+/// The tables of the simulation's model as it is now, with the stabiliser that the body has.
+inline TopologyTextures built_anew(const Simulation& sim) {
+  return build_topology(sim.model(), {.stabiliser = sim.solver().topology().options.stabiliser});
+}
+
+/// Largest difference of the elastic forces of two tables at random places, over the largest force.
+inline double difference_of_forces(const TopologyTextures& a, const TopologyTextures& b, const Model& model,
+                                   std::uint32_t seed = 5) {
+  VecList x = random_positions(model, 0.2, seed), of_a(x.size()), of_b(x.size());
+  elastic_forces(a, x, of_a);
+  elastic_forces(b, x, of_b);
+  double largest = 0.0, apart = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    largest = std::max(largest, of_b[i].norm());
+    apart = std::max(apart, (of_a[i] - of_b[i]).norm());
+  }
+  return apart / largest;
 }
 
 }  // namespace phymul::test

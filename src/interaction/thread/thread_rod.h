@@ -24,7 +24,7 @@ class ThreadRod {
   void restore(const ThreadState& state) { state_ = state; }
   Index last() const { return static_cast<Index>(state_.position.size()) - 1; }
 
-  /// Begins a step: each node goes on with its velocity, gravity and the loads of the tips.
+  /// Begins a step: predicts where velocity, gravity and the loads at the tips take each node.
   void begin(double dt, const Vec3& gravity);
   void load(Index node, const Vec3& force);  ///< N
   void give(Index node, const Vec3& way);    ///< m: it goes this way, whatever pulls it
