@@ -5,9 +5,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "closest_point.h"
 #include "model/surface_facets.h"
+#include "model/tissue_surface.h"
 
 namespace phymul {
 namespace {
@@ -36,11 +39,67 @@ class SurfaceBuilder {
     edges_.clear();
   }
 
+  /// Of a body with cuts. Edges are those of cells, not of the pieces that a cut makes of their faces.
+  void add_tissue(const Model& part, Index body) {
+    const TissueSurface tissue = tissue_surface_of(part);
+    const auto first = static_cast<Index>(surface_.particles.size());
+    const VecList rest = tissue.at(part.rest);
+    surface_.has_cuts = true;
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      const TissueVertex& at = tissue.vertices[k];
+      surface_.particles.push_back({.row = at.particles[1] < 0 ? at.particles[0] : -1, .body = body, .at = at});
+      surface_.rest.push_back(rest[k]);
+    }
+    std::vector<std::pair<double, int>> edges(rest.size());
+    for (std::size_t t = 0; t < tissue.triangles.size(); ++t) {
+      const auto& corner = tissue.triangles[t];
+      const Vec3 area = (rest[corner[1]] - rest[corner[0]]).cross(rest[corner[2]] - rest[corner[0]]);
+      const double edge = cell_edge(part, tissue, corner);
+      if (!(area.norm() > sliver * edge * edge)) continue;
+      const bool of_cut = tissue.of_cut[t] != 0;
+      for (const Index c : corner) {
+        edges[c].first += edge;
+        ++edges[c].second;
+        if (!of_cut) continue;
+        surface_.particles[first + c].of_cut = true;
+        surface_.particles[first + c].normal += area;
+      }
+      surface_.longest_edge = std::max(surface_.longest_edge, edge);
+      surface_.triangles.push_back({.corner = {first + corner[0], first + corner[1], first + corner[2]},
+                                    .body = body,
+                                    .edge = edge,
+                                    .has_inside = true,
+                                    .of_cut = of_cut});
+    }
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      if (edges[k].second > 0) surface_.particles[first + k].edge = edges[k].first / edges[k].second;
+    }
+  }
+
  private:
+  /// Of the square of its edge: a triangle of less area is left out.
+  static constexpr double sliver = 1e-9;
+
+  /// m: the longest between two of the particles that its corners are means of.
+  static double cell_edge(const Model& part, const TissueSurface& tissue, const std::array<Index, 3>& corner) {
+    double longest = 0.0;
+    const auto each = [&](auto visit) {
+      for (const Index c : corner) {
+        for (const Index i : tissue.vertices[c].particles) {
+          if (i >= 0) visit(i);
+        }
+      }
+    };
+    each([&](Index i) {
+      each([&](Index j) { longest = std::max(longest, (part.rest[i] - part.rest[j]).squaredNorm()); });
+    });
+    return std::sqrt(longest);
+  }
+
   Index slot(Index row, Index body) {
     const auto [known, fresh] = slot_.try_emplace(row, static_cast<Index>(surface_.particles.size()));
     if (fresh) {
-      surface_.particles.push_back({row, body, 0.0});
+      surface_.particles.push_back({.row = row, .body = body, .at = {{row, -1, -1, -1}, {1.0}}});
       surface_.rest.push_back(model_.rest[row]);
     }
     return known->second;
@@ -69,8 +128,10 @@ class SurfaceBuilder {
     for (std::size_t k = 2; k < ring.size(); ++k) {
       // Of cells with a corner twice: no area, and a contact would push one particle as two.
       if (ring[k - 1] == ring[k] || ring[k - 1] == ring[0] || ring[k] == ring[0]) continue;
-      surface_.triangles.push_back(
-          {{slot(ring[0], body), slot(ring[k - 1], body), slot(ring[k], body)}, body, longest, solid});
+      surface_.triangles.push_back({.corner = {slot(ring[0], body), slot(ring[k - 1], body), slot(ring[k], body)},
+                                    .body = body,
+                                    .edge = longest,
+                                    .has_inside = solid});
     }
   }
 
@@ -82,7 +143,7 @@ class SurfaceBuilder {
 
 }  // namespace
 
-ContactSurface make_contact_surface(const Model& model) {
+ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces) {
   ContactSurface surface;
   SurfaceBuilder builder(model, surface);
   const std::vector<ConnectedBody> bodies = connected_bodies(model);
@@ -100,14 +161,50 @@ ContactSurface make_contact_surface(const Model& model) {
     if (cell_size(cell.type) > 0 && cell.share > 0.0 && body >= 0) parts[body].cells.push_back(cell);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    builder.add(parts[b], static_cast<Index>(b), bodies[b].particles);
+    if (cut_faces == CutFaces::made && has_cuts(parts[b])) {
+      builder.add_tissue(parts[b], static_cast<Index>(b));
+    } else {
+      builder.add(parts[b], static_cast<Index>(b), bodies[b].particles);
+    }
     parts[b] = {};
   }
   return surface;
 }
 
+/// m: how far above a triangle a particle is at rest; 0 in or behind it.
+double ContactSurface::apart_at_rest(std::size_t particle_row, const Triangle& triangle) const {
+  const Vec3 &a = rest[triangle.corner[0]], &b = rest[triangle.corner[1]], &c = rest[triangle.corner[2]];
+  const Vec3 share = closest_point(rest[particle_row], a, b, c);
+  const Vec3 way = rest[particle_row] - (share[0] * a + share[1] * b + share[2] * c);
+  return triangle.has_inside && way.dot((b - a).cross(c - a)) < 0.0 ? 0.0 : way.norm();
+}
+
+double ContactSurface::skins(const Particle& particle, std::size_t particle_row, const Triangle& triangle,
+                             double margin) const {
+  const double usual = margin > 0.0 ? 2.0 * margin : usual_skin * (triangle.edge + particle.edge);
+  if (!has_cuts) return usual;
+  if (particle.of_cut && triangle.of_cut) return 0.0;
+  return std::min(usual, apart_at_rest(particle_row, triangle));
+}
+
+/// A lip's point lies in the plane of the other lip's triangle at rest, or a little beside it where the cut is bent;
+/// the other side of a strip between two cuts is behind it by the strip's thickness.
+bool ContactSurface::are_lips(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
+  constexpr double facing = -0.5;  // cosine
+  constexpr double behind = 0.05;  // of an edge
+  if (!particle.of_cut || !triangle.of_cut) return false;
+  const Vec3 &a = rest[triangle.corner[0]], &b = rest[triangle.corner[1]], &c = rest[triangle.corner[2]];
+  const Vec3 normal = (b - a).cross(c - a).normalized();
+  if (!(particle.normal.dot(normal) < facing * particle.normal.norm())) return false;
+  return normal.dot(rest[particle_row] - a) >= -behind * triangle.edge;
+}
+
 bool ContactSurface::is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
-  if (particle.body != triangle.body) return false;
+  // The rim of a cut lies on the outer triangles beyond it, and would be held there by them.
+  constexpr double on_it = 1e-6;  // of an edge
+  if (particle.of_cut && !triangle.of_cut && apart_at_rest(particle_row, triangle) <= on_it * triangle.edge)
+    return true;
+  if (particle.body != triangle.body || are_lips(particle, particle_row, triangle)) return false;
   const double near = skin_factor * std::max(particle.edge, triangle.edge);
   return std::any_of(triangle.corner.begin(), triangle.corner.end(),
                      [&](Index corner) { return (rest[corner] - rest[particle_row]).squaredNorm() <= near * near; });

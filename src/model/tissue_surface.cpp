@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "cell_geometry.h"
+#include "tissue_surface.h"
 
 namespace phymul {
 namespace {
@@ -177,10 +178,18 @@ class TissueSurfaceBuilder {
 
 }  // namespace
 
+TissueSurface tissue_surface_of(const Model& model) {
+  return TissueSurfaceBuilder(model).build();
+}
+
 TissueSurface tissue_surface(const Model& model) {
   validate(model);
   if (model.dimension == 2) throw Error("tissue_surface: expected a body in three dimensions");
-  return TissueSurfaceBuilder(model).build();
+  return tissue_surface_of(model);
+}
+
+bool has_cuts(const Model& model) {
+  return std::ranges::any_of(model.cells, [](const Cell& cell) { return cell.share > 0.0 && !cell.cuts.empty(); });
 }
 
 VecList TissueSurface::at(std::span<const Vec3> position) const {
