@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
+#include <utility>
 
 #include "closest_point.h"
+#include "model/cell_geometry.h"
 #include "model/surface_facets.h"
 #include "model/tissue_surface.h"
 
@@ -20,10 +23,7 @@ class SurfaceBuilder {
  public:
   SurfaceBuilder(const Model& model, ContactSurface& surface) : model_(model), surface_(surface) {}
 
-  void add(const Model& part, Index body, const std::vector<Index>& particles) {
-    const bool solid =
-        std::any_of(part.cells.begin(), part.cells.end(), [](const Cell& cell) { return is_volume(cell.type); });
-    const std::vector<Facet> facets = surface_facets(part, std::vector<char>(part.rest.size(), 1));
+  void add(std::span<const Facet> facets, Index body, bool solid, const std::vector<Index>& particles) {
     for (const Facet& facet : facets) add(facet, body, solid);
     if (facets.empty()) {
       for (const Index i : particles) {
@@ -39,40 +39,44 @@ class SurfaceBuilder {
     edges_.clear();
   }
 
-  /// Of a body with cuts. Edges are those of cells, not of the pieces that a cut makes of their faces.
-  void add_tissue(const Model& part, Index body) {
-    const TissueSurface tissue = tissue_surface_of(part);
-    const auto first = static_cast<Index>(surface_.particles.size());
-    const VecList rest = tissue.at(part.rest);
+  /// Of a body with cuts its part of the tissue's surface. Edges are those of cells, not of the pieces that a cut makes
+  /// of their faces.
+  void add_tissue(const TissueSurface& tissue, const VecList& place, Index body, const std::vector<Index>& body_of) {
+    const auto first = static_cast<std::ptrdiff_t>(surface_.particles.size());
     surface_.has_cuts = true;
-    for (std::size_t k = 0; k < rest.size(); ++k) {
+    std::vector<Index> slot(place.size(), -1);
+    for (std::size_t k = 0; k < place.size(); ++k) {
       const TissueVertex& at = tissue.vertices[k];
+      if (body_of[at.particles[0]] != body) continue;
+      slot[k] = static_cast<Index>(surface_.particles.size());
       surface_.particles.push_back({.row = at.particles[1] < 0 ? at.particles[0] : -1, .body = body, .at = at});
-      surface_.rest.push_back(rest[k]);
+      surface_.rest.push_back(place[k]);
     }
-    std::vector<std::pair<double, int>> edges(rest.size());
+    std::vector<int> edges(surface_.particles.size(), 0);
     for (std::size_t t = 0; t < tissue.triangles.size(); ++t) {
       const auto& corner = tissue.triangles[t];
-      const Vec3 area = (rest[corner[1]] - rest[corner[0]]).cross(rest[corner[2]] - rest[corner[0]]);
-      const double edge = cell_edge(part, tissue, corner);
+      if (slot[corner[0]] < 0) continue;
+      const Vec3 area = (place[corner[1]] - place[corner[0]]).cross(place[corner[2]] - place[corner[0]]);
+      const double edge = cell_edge(tissue, corner);
       if (!(area.norm() > sliver * edge * edge)) continue;
       const bool of_cut = tissue.of_cut[t] != 0;
       for (const Index c : corner) {
-        edges[c].first += edge;
-        ++edges[c].second;
+        ContactSurface::Particle& own = surface_.particles[slot[c]];
+        own.edge += edge;
+        ++edges[slot[c]];
         if (!of_cut) continue;
-        surface_.particles[first + c].of_cut = true;
-        surface_.particles[first + c].normal += area;
+        own.of_cut = true;
+        own.normal += area;
       }
       surface_.longest_edge = std::max(surface_.longest_edge, edge);
-      surface_.triangles.push_back({.corner = {first + corner[0], first + corner[1], first + corner[2]},
+      surface_.triangles.push_back({.corner = {slot[corner[0]], slot[corner[1]], slot[corner[2]]},
                                     .body = body,
                                     .edge = edge,
                                     .has_inside = true,
                                     .of_cut = of_cut});
     }
-    for (std::size_t k = 0; k < rest.size(); ++k) {
-      if (edges[k].second > 0) surface_.particles[first + k].edge = edges[k].first / edges[k].second;
+    for (std::size_t k = static_cast<std::size_t>(first); k < edges.size(); ++k) {
+      surface_.particles[k].edge /= std::max(edges[k], 1);
     }
   }
 
@@ -81,7 +85,7 @@ class SurfaceBuilder {
   static constexpr double sliver = 1e-9;
 
   /// m: the longest between two of the particles that its corners are means of.
-  static double cell_edge(const Model& part, const TissueSurface& tissue, const std::array<Index, 3>& corner) {
+  double cell_edge(const TissueSurface& tissue, const std::array<Index, 3>& corner) const {
     double longest = 0.0;
     const auto each = [&](auto visit) {
       for (const Index c : corner) {
@@ -91,7 +95,7 @@ class SurfaceBuilder {
       }
     };
     each([&](Index i) {
-      each([&](Index j) { longest = std::max(longest, (part.rest[i] - part.rest[j]).squaredNorm()); });
+      each([&](Index j) { longest = std::max(longest, (model_.rest[i] - model_.rest[j]).squaredNorm()); });
     });
     return std::sqrt(longest);
   }
@@ -151,22 +155,38 @@ ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     for (const Index i : bodies[b].particles) body_of[i] = static_cast<Index>(b);
   }
-  std::vector<Model> parts(bodies.size());
-  for (Model& part : parts) {
-    part.dimension = model.dimension;
-    part.rest = model.rest;
-  }
+  struct Kind {
+    bool of_cells = false, solid = false, cut = false;
+  };
+  std::vector<Kind> kind(bodies.size());
   for (const Cell& cell : model.cells) {
     const Index body = cell.particles.empty() ? -1 : body_of[cell.particles.front()];  // none where all is removed
-    if (cell_size(cell.type) > 0 && cell.share > 0.0 && body >= 0) parts[body].cells.push_back(cell);
+    if (cell_size(cell.type) == 0 || !(cell.share > 0.0) || body < 0) continue;
+    kind[body].of_cells |= is_solid(model.dimension, cell);
+    kind[body].solid |= is_volume(cell.type);
+    kind[body].cut |= cut_faces == CutFaces::made && !cell.cuts.empty();
   }
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (cut_faces == CutFaces::made && has_cuts(parts[b])) {
-      builder.add_tissue(parts[b], static_cast<Index>(b));
-    } else {
-      builder.add(parts[b], static_cast<Index>(b), bodies[b].particles);
+  std::vector<std::vector<Facet>> facets(bodies.size());
+  const auto add_facets = [&](bool of_cells, auto find) {
+    std::vector<char> chosen(model.rest.size(), 0);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const Index body = body_of[i];
+      chosen[i] = body >= 0 && !kind[body].cut && kind[body].of_cells == of_cells;
     }
-    parts[b] = {};
+    for (Facet& facet : find(model, chosen)) facets[body_of[facet.particles[0]]].push_back(std::move(facet));
+  };
+  add_facets(true, facets_of_cells);
+  add_facets(false, explicit_facets);
+  TissueSurface tissue;
+  if (std::ranges::any_of(kind, &Kind::cut)) tissue = tissue_surface_of(model);
+  const VecList place = tissue.at(model.rest);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const auto body = static_cast<Index>(b);
+    if (kind[b].cut) {
+      builder.add_tissue(tissue, place, body, body_of);
+    } else {
+      builder.add(facets[b], body, kind[b].solid, bodies[b].particles);
+    }
   }
   return surface;
 }
