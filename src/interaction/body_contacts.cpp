@@ -144,15 +144,15 @@ void BodyContacts::find(TouchedParticles& touched) {
 void BodyContacts::share_out(Contact& contact, TouchedParticles& touched) {
   contact.first = shares_.size();
   const auto add = [&](std::size_t k, double factor) {
-    const TissueVertex& at = surface_.particles[k].at;
-    for (std::size_t v = 0; v < 4 && at.particles[v] >= 0; ++v) {
-      const std::size_t slot = touched.slot(at.particles[v]);
+    const ContactSurface::Particle& own = surface_.particles[k];
+    for (std::size_t v = 0; v < 4 && own.at.particles[v] >= 0; ++v) {
+      const std::size_t slot = touched.slot(own.at.particles[v]);
       const auto known = std::find_if(shares_.begin() + static_cast<std::ptrdiff_t>(contact.first), shares_.end(),
                                       [&](const Share& share) { return share.slot == slot; });
       if (known == shares_.end()) {
-        shares_.push_back({slot, factor * at.weights[v]});
+        shares_.push_back({slot, factor * own.shares[v]});
       } else {
-        known->weight += factor * at.weights[v];
+        known->weight += factor * own.shares[v];
       }
     }
   };

@@ -49,7 +49,8 @@ class SurfaceBuilder {
       const TissueVertex& at = tissue.vertices[k];
       if (body_of[at.particles[0]] != body) continue;
       slot[k] = static_cast<Index>(surface_.particles.size());
-      surface_.particles.push_back({.row = at.particles[1] < 0 ? at.particles[0] : -1, .body = body, .at = at});
+      surface_.particles.push_back(
+          {.row = at.particles[1] < 0 ? at.particles[0] : -1, .body = body, .at = at, .shares = shares(at)});
       surface_.rest.push_back(place[k]);
     }
     std::vector<int> edges(surface_.particles.size(), 0);
@@ -83,6 +84,22 @@ class SurfaceBuilder {
  private:
   /// Of the square of its edge: a triangle of less area is left out.
   static constexpr double sliver = 1e-9;
+
+  std::array<double, 4> shares(const TissueVertex& at) const {
+    constexpr double light = 0.3;  // of the heaviest
+    std::array<double, 4> of = at.weights;
+    if (model_.mass.empty()) return of;
+    double heaviest = 0.0, sum = 0.0;
+    for (std::size_t v = 0; v < 4 && at.particles[v] >= 0; ++v) {
+      heaviest = std::max(heaviest, model_.mass[at.particles[v]]);
+    }
+    for (std::size_t v = 0; v < 4 && at.particles[v] >= 0; ++v) {
+      of[v] *= std::min(1.0, model_.mass[at.particles[v]] / (light * heaviest));
+      sum += of[v];
+    }
+    for (double& share : of) share /= sum;
+    return of;
+  }
 
   /// m: the longest between two of the particles that its corners are means of.
   double cell_edge(const TissueSurface& tissue, const std::array<Index, 3>& corner) const {

@@ -17,8 +17,11 @@ struct ContactSurface {
     Index row = -1, body = -1;  ///< -1: not a particle, but a point of a cut cell
     double edge = 0.0;          ///< m, mean length of the surface's edges around it
     TissueVertex at{};          ///< rows of the model, and their weights
-    bool of_cut = false;        ///< on a face of a cut
-    Vec3 normal{0, 0, 0};       ///< at rest, of the faces of cuts that it is on, their mean; not of unit length
+    /// Of those, in an impulse and in the velocity that it acts against: their weights, but less for copies at a cut
+    /// that are far lighter than the others, which would be flung where the point hardly moves.
+    std::array<double, 4> shares{1.0};
+    bool of_cut = false;   ///< on a face of a cut
+    Vec3 normal{0, 0, 0};  ///< at rest, of the faces of cuts that it is on, their mean; not of unit length
   };
   struct Triangle {
     std::array<Index, 3> corner{};  ///< rows of `particles`
