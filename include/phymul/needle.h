@@ -21,10 +21,10 @@ namespace phymul {
 /// divide their measurements on bovine liver ex vivo in this way: stiffness up to the puncture, constant cutting force,
 /// friction per length.
 ///
-/// The tip also gives way where the tissue under it has reached its own limit of stretch: where its push over spread^2
-/// is E / (1.25 + 9.4 (1 - 2 nu)), E and nu of the tissue's material, a little below what turns cells inside out
-/// (docs/guide/needles.md). StepReport::tissue_gave_way counts punctures by that. Tissue without a material has no such
-/// limit.
+/// Tissue also gives way where it has reached its own limit of stretch: where a push over spread^2 is
+/// E / (1.25 + 6 x + 8.5 x^2), with x = 1 - 2 nu, E and nu of the tissue's material, a little below what turns cells
+/// inside out (docs/guide/needles.md). That limits the tip's push, and what it and the shaft beside it do together.
+/// StepReport::tissue_gave_way counts punctures by that. Tissue without a material has no such limit.
 ///
 /// The defaults are round numbers of that order for an 18 gauge needle in liver, not values of a table. Tissues, tips
 /// and speeds differ by more than a factor of two, so use measured values where you have them.

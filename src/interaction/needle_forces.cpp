@@ -155,7 +155,6 @@ void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, cons
   if (state_.hole.empty()) return;
   const double turned = needle_.radius * needle_turn(start_pose, end_pose);
   couple(touched, start, turned);
-  most_push_ = most_push(state_.hole.back());
   const std::size_t count = state_.hole.size();
   for (std::size_t k = 0; k < count && turned != 0.0; ++k) {
     if (!on_shaft(k) || coupled_[k].limit == 0.0) continue;

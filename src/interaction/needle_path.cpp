@@ -38,8 +38,7 @@ NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model
     : needle_(needle),
       friction_(friction),
       spread_(needle_spread(needle, model)),
-      support_radius_(needle_support_radius(spread_, model)),
-      carried_spread_(needle_carried_spread(support_radius_, model)) {
+      support_radius_(needle_support_radius(spread_, model)) {
   found_.reserve(model.rest.size());
   sides_.resize(model.rest.size());
   follow_body(model);
@@ -136,17 +135,15 @@ Vec3 NeedlePath::shaft_at(const Line& line, double along) const {
   return straight + line.turn * shaft_deflection(needle_, state_.shaft, along);
 }
 
-/// N, of the tip on this node: puncture or cutting force, or less where the tissue has reached its limit of stretch.
-double NeedlePath::most_push(const NeedleNode& node) const {
+/// N, at which the tissue around a node has reached its limit of stretch.
+double NeedlePath::bears(const NeedleNode& node) const {
   double sum = 0.0, weight = 0.0;
   for (std::size_t k = 0; k < node.particles.size(); ++k) {
-    const double own = node.weights[k];
-    if (!(own > 0.0)) continue;
-    sum += own * bearing_[node.particles[k]];
-    weight += own;
+    if (!(node.weights[k] > 0.0)) continue;
+    sum += node.weights[k] * bearing_[node.particles[k]];
+    weight += node.weights[k];
   }
-  const double set = state_.punctured ? needle_.cutting : needle_.puncture;
-  return weight > 0.0 ? std::min(set, sum / weight * carried_spread_ * carried_spread_) : set;
+  return sum / weight * spread_ * spread_;
 }
 
 /// New nodes on the way that the tip has made since the last one.
@@ -189,7 +186,7 @@ void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {
   state_.slip = std::max(state_.slip, line.along(place(state_.hole.back(), step)));
   if (!state_.punctured && state_.slip < needle_.radius) return;
   if (state_.punctured && state_.slip < spread_) return;
-  gives_way_ = pressed && !state_.punctured && most_push(state_.hole.front()) < needle_.puncture;
+  gives_way_ = pressed && !state_.punctured && bears(state_.hole.front()) < needle_.puncture;
   state_.punctured = true;
   lengthen(step, line);
 }

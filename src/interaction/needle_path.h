@@ -77,13 +77,14 @@ class NeedlePath {
   Crossing nearest_surface(const PredictedStep& step, const Vec3& x, const Vec3& direction) const;
   NeedleNode node_at(const PredictedStep& step, const Vec3& x);
   static Vec3 place(const NeedleNode& node, const PredictedStep& step);
-  double most_push(const NeedleNode& node) const;
+  double bears(const NeedleNode& node) const;
   Vec3 shaft_at(const Line& line, double along) const;
 
   // What acts on it: needle_coupling.cpp, needle_forces.cpp. k: row of a node.
   void couple(TouchedParticles& touched, const Line& start, double turned);
   void couple_nodes(TouchedParticles& touched);
   void share_out_length();
+  void limit(double turned, double dt);
   void hold_sideways(std::size_t k, const Line& end, double dt);
   void couple_sideways(double dt);
   void hold_on_bent(const Line& end, double dt);
@@ -99,7 +100,6 @@ class NeedlePath {
   Needle needle_;
   double friction_ = 0.0, spread_ = 0.0;
   double support_radius_ = 0.0;  // m: of the weights that spread a force so far
-  double carried_spread_ = 0.0;  // m
   std::vector<double> bearing_;  // [N] Pa: needle_bearing()
   std::vector<double> factors_;  // that it is of
   double most_push_ = 0.0;       // N, of the tip in this step

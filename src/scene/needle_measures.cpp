@@ -10,15 +10,13 @@ namespace {
 
 /// So that bodies of up to 10 mm spacing carry the default spread of an 18 gauge needle.
 constexpr double spread_in_radii = 34.0;
-/// A force on a particle is one on its cell already: the variance of a square of one spacing, in those of the weights.
-constexpr double variance_of_cell = 8.0 / 12.0;
 
-/// Pa. Cells under a tip turn inside out from a push of F on, for which F / s^2 is a pressure at which the tissue
-/// sinks in by shear, of Young's modulus E, or is crushed, of the bulk modulus K = E / (3 (1 - 2 nu)): on lattices of
-/// 1.3 to 6 spacings in the spread s at 0.25 to 0.4 E (nu 0.3), 0.7 to 0.9 E (0.45) and 0.85 to 1.4 E (0.49). This is
-/// below all of them.
+/// Pa. On lattices of 1.3 to 6 spacings in the spread s, cells under a tip turn inside out from a push of F on, for
+/// which F / s^2 is 0.25 to 0.4 of Young's modulus (nu 0.3), 0.4 (0.4), 0.7 to 0.9 (0.45) or 0.85 to 1.4 (0.49): tissue
+/// that is easily compressed is crushed sooner. This is below all of them.
 double limit_of(const Material& material) {
-  return material.young / (1.25 + 9.4 * (1.0 - 2.0 * material.poisson));
+  const double gives = 1.0 - 2.0 * material.poisson;
+  return material.young / (1.25 + (6.0 + 8.5 * gives) * gives);
 }
 
 }  // namespace
@@ -32,16 +30,13 @@ double needle_spread(const Needle& needle, const Model& model) {
   return needle.spread > 0.0 ? needle.spread : std::max(spread_in_radii * needle.radius, 2.0 * needle_spacing(model));
 }
 
-/// The weights, whose own variance over a surface is reach^2 / 8 along each axis, add what the cells lack; below 1.5
-/// spacings they would find too few particles.
+/// A force on a particle is one on its cell already, spread evenly over the spacing h, which has the variance h^2 / 12
+/// along each axis. The weights, whose own over a surface is reach^2 / 8, add what is missing; below 1.5 spacings they
+/// would find too few particles.
 double needle_support_radius(double spread, const Model& model) {
   const double spacing = needle_spacing(model);
-  const double left = spread * spread - variance_of_cell * spacing * spacing;
+  const double left = spread * spread - 8.0 / 12.0 * spacing * spacing;
   return std::max(std::sqrt(std::max(left, 0.0)), std::min(spread, 1.5 * spacing));
-}
-
-double needle_carried_spread(double support_radius, const Model& model) {
-  return std::hypot(support_radius, std::sqrt(variance_of_cell) * needle_spacing(model));
 }
 
 void needle_bearing(const Model& model, std::span<const double> factors, std::vector<double>& bearing) {

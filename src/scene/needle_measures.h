@@ -17,8 +17,6 @@ double needle_spacing(const Model& model);
 double needle_spread(const Needle& needle, const Model& model);
 /// m: of the weights at which a force spreads as far on every mesh.
 double needle_support_radius(double spread, const Model& model);
-/// m: over which such weights spread a force; the spread where the mesh can carry that.
-double needle_carried_spread(double support_radius, const Model& model);
 /// Pa, [N]: the push of a tip per squared spread at which the tissue around each particle has reached its limit of
 /// stretch; infinite where a particle has no material. `factors`: Scene::stiffness_factors().
 void needle_bearing(const Model& model, std::span<const double> factors, std::vector<double>& bearing);
