@@ -46,7 +46,7 @@ std::array<ToolHandle, 2> add_plates(Scene& scene, const std::string& name, cons
     return Tool{.shape = Box{0.5 * Vec3(options.width, options.thickness, options.length)},
                 .pose = plate_at(options, hinge, side, options.opening),
                 .friction = options.friction,
-                .contact = ToolContact::surface};
+                .contact = options.contact};
   };
   const ToolHandle first = scene.add_tool(name + " 1", plate(0));
   try {

@@ -9,7 +9,7 @@ namespace phymul {
 namespace {
 
 /// Of the longest edge at rest: what tool and body may use up lasts some tens of steps of a hand.
-constexpr double room_in_edges = 0.5;
+constexpr double room_in_edges = 1.0;
 
 /// Below it, of the thickness, squared, depth_after() looks at the end alone.
 constexpr double short_way = 0.2499;
