@@ -187,6 +187,7 @@ class SolverBackend : public Solver {
   bool any_tool_grasps() const;
   StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);
   StepPlan plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const;
+  int tissue_gave_way() const;  // ToolReport::tissue_gave_way of all tools
   void note_strain(const Motion& motion, StepReport& report);
   void report_failure(const Motion& motion, StepReport& report) const;
   Motion run(const StepPlan& plan, StepReport& report);

@@ -21,16 +21,22 @@ namespace phymul {
 /// divide their measurements on bovine liver ex vivo in this way: stiffness up to the puncture, constant cutting force,
 /// friction per length.
 ///
+/// Tissue also gives way where it has reached its own limit of stretch: where a push over spread^2 is
+/// E / (1.25 + 6 x + 8.5 x^2), with x = 1 - 2 nu, E and nu of the tissue's material, a little below what turns cells
+/// inside out (docs/guide/needles.md). That limits the tip's push, and what it and the shaft beside it do together.
+/// StepReport::tissue_gave_way counts punctures by that. Tissue without a material has no such limit.
+///
 /// The defaults are round numbers of that order for an 18 gauge needle in liver, not values of a table. Tissues, tips
 /// and speeds differ by more than a factor of two, so use measured values where you have them.
 struct Needle {
   double length = 0.15;            ///< m, from tip to hub
   double radius = 0.64e-3;         ///< m; 0.64 mm: 18 gauge
-  double puncture = 2.0;           ///< N on the surface, at which the surface gives way
-  double cutting = 0.9;            ///< N at the tip while it cuts; at most `puncture`
+  double puncture = 2.0;           ///< N on the surface, at which the surface gives way at the latest
+  double cutting = 0.9;            ///< N at the tip while it cuts, at the most; not above `puncture`
   double static_friction = 15.0;   ///< N per m of inserted shaft that is at rest in the tissue
   double kinetic_friction = 10.0;  ///< N per m of inserted shaft that slides; at most `static_friction`
-  /// m: distance over which a force on the shaft is spread into the tissue around it. 0: two spacings of the body. A
+  /// m: distance over which a force on the shaft is spread into the tissue around it. 0: 34 radii, but at least two
+  /// spacings of the body, which is what it can carry; so bodies of different spacing are punctured alike. A
   /// force on a single point of an elastic body would move that point infinitely far, and on a mesh by an amount that
   /// depends on the mesh. With the same `spread`, force curves of different meshes agree within 10 % from 2.7 spacings
   /// on. Below about 1.5 spacings the weights widen until they have enough particles, and curves depend on the mesh.

@@ -12,6 +12,7 @@
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
 #include <phymul/gl.h>
+#include <phymul/jaws.h>
 #include <phymul/joint.h>
 #include <phymul/label_file.h>
 #include <phymul/labels.h>

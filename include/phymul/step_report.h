@@ -48,6 +48,8 @@ struct StepReport {
   /// An elastic force was limited in some step of this call: SolverOptions::max_displacement_per_step.
   bool force_clamped = false;
   int springs_broken = 0;  ///< springs of joints that broke in this call
+  /// Punctures in this call below Needle::puncture, because the tissue under the tip had reached its limit.
+  int tissue_gave_way = 0;
   /// Simulation: cells that blades have passed and could not cut, because they were cut three times already, the
   /// spare particles (with_spare_particles) do not suffice, or SolverOptions::max_substeps is above 1.
   int uncut = 0;

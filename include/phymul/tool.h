@@ -103,6 +103,7 @@ struct ToolReport {
   ToolPose last_pose{};  ///< before the last step; `pose` if it was teleported or no step was done since
   ToolForce force{};
   int held = 0;                    ///< number of particles that it holds
+  int tissue_gave_way = 0;         ///< as StepReport::tissue_gave_way, since the solver was made
   std::uint64_t grasps = 0;        ///< SceneTool::grasps as of the last step
   std::vector<ShaftLoad> shaft{};  ///< of a needle that bends
 };

@@ -7,6 +7,19 @@
 #include "model/enclosed_volume.h"
 
 namespace phymul {
+namespace {
+
+/// What of a push a rough tool that presses the particle lets through: along its surface less, by what friction bears
+/// of the push against it. Without that what sticks to a tool would creep, a little in each step: tools act before.
+Vec3 past_friction(const Vec3& push, const Vec3& rubbed) {
+  const double friction = rubbed.norm();
+  if (!(friction > 0.0)) return push;
+  const Vec3 normal = rubbed / friction, against = normal.dot(push) * normal, along = push - against;
+  const double bears = friction * against.norm(), size = along.norm();
+  return size > bears ? Vec3(against + (1.0 - bears / size) * along) : against;
+}
+
+}  // namespace
 
 void KeptVolumes::follow(const Scene& scene) {
   surfaces_.clear();
@@ -48,6 +61,7 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   volume_gradient(surface.triangles, surface.start, surface.gradient);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     const TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
+    surface.gradient[k] = past_friction(surface.gradient[k], particle.rubbed);
     surface.along[k] = particle.inverse_mass * surface.gradient[k];
     for (int a = 0; a < 3; ++a) {
       if (particle.held || (particle.fixed >> a & 1) != 0) surface.along[k][a] = 0.0;

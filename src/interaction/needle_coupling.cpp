@@ -60,11 +60,24 @@ void NeedlePath::couple(TouchedParticles& touched, const Line& start, double tur
   }
   couple_nodes(touched);
   share_out_length();
-  for (std::size_t k = 0; k < count; ++k) {
+  limit(turned, touched.dt());
+}
+
+/// Of friction and of the tip. What is within a spread of the tip loads the same tissue, so that together they get no
+/// more than that bears.
+void NeedlePath::limit(double turned, double dt) {
+  const double tip_bears = bears(state_.hole.back());
+  double beside_tip = 0.0;  // N
+  for (std::size_t k = 0; k < state_.hole.size(); ++k) {
     Coupled& node = coupled_[k];
-    const bool slides = node.slides || turned != 0.0;
-    node.limit = (slides ? needle_.kinetic_friction : needle_.static_friction) * node.length * touched.dt();
+    const bool slides = state_.hole[k].slides || turned != 0.0;
+    const double friction = (slides ? needle_.kinetic_friction : needle_.static_friction) * node.length;
+    const double most = std::min(friction, 0.5 * bears(state_.hole[k]));
+    node.limit = most * dt;
+    if (node.along - coupled_[state_.hole.size() - 1].along < spread_) beside_tip += most;
   }
+  const double rest = tip_bears - std::min(beside_tip, 0.75 * tip_bears);
+  most_push_ = std::min(state_.punctured ? needle_.cutting : needle_.puncture, rest);
 }
 
 /// Which nodes an impulse on each of them moves. Sweeps then go from node to node, not over the particles of each, of

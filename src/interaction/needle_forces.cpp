@@ -93,8 +93,7 @@ void NeedlePath::push_ahead(const Line& end, double dt) {
   const std::size_t k = state_.hole.size() - 1;
   Coupled& node = coupled_[k];
   const double behind = end.along(node.end) - state_.slip;
-  const double most = (state_.punctured ? needle_.cutting : needle_.puncture) * dt;
-  const double wanted = std::clamp(node.pushed + behind / (dt * node.inverse_mass), 0.0, most);
+  const double wanted = std::clamp(node.pushed + behind / (dt * node.inverse_mass), 0.0, most_push_ * dt);
   give(k, (node.pushed - wanted) * end.axis, dt);
   node.pushed = wanted;
 }
@@ -149,6 +148,7 @@ void NeedlePath::settle(TouchedParticles& touched, const Line& end) {
 void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, const ToolPose& end_pose,
                      ToolForce& force) {
   const Line start(start_pose), end(end_pose);
+  gives_way_ = false;
   follow(touched, start);
   given_.clear();
   loads_.clear();
@@ -178,6 +178,7 @@ void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, cons
 void NeedlePath::accept() {
   for (std::size_t k = 0; k < state_.hole.size(); ++k) state_.hole[k].slides = coupled_[k].slides;
   state_.shaft = loads_;
+  gave_way_ += gives_way_ ? 1 : 0;
 }
 
 }  // namespace phymul

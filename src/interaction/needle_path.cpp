@@ -55,6 +55,13 @@ void NeedlePath::follow_body(const Model& model) {
   std::erase_if(state_.hole, [&](const NeedleNode& node) {
     return std::ranges::any_of(node.particles, [&](Index i) { return removed_[i] != 0; });
   });
+  needle_bearing(model, factors_, bearing_);
+}
+
+void NeedlePath::follow_stiffness(const Model& model, std::span<const double> factors) {
+  if (std::ranges::equal(factors, factors_)) return;
+  factors_.assign(factors.begin(), factors.end());
+  needle_bearing(model, factors_, bearing_);
 }
 
 Vec3 NeedlePath::place(const NeedleNode& node, const PredictedStep& step) {
@@ -128,6 +135,17 @@ Vec3 NeedlePath::shaft_at(const Line& line, double along) const {
   return straight + line.turn * shaft_deflection(needle_, state_.shaft, along);
 }
 
+/// N, at which the tissue around a node has reached its limit of stretch.
+double NeedlePath::bears(const NeedleNode& node) const {
+  double sum = 0.0, weight = 0.0;
+  for (std::size_t k = 0; k < node.particles.size(); ++k) {
+    if (!(node.weights[k] > 0.0)) continue;
+    sum += node.weights[k] * bearing_[node.particles[k]];
+    weight += node.weights[k];
+  }
+  return sum / weight * spread_ * spread_;
+}
+
 /// New nodes on the way that the tip has made since the last one.
 void NeedlePath::lengthen(const PredictedStep& step, const Line& line) {
   const bool first = state_.hole.size() == 1;
@@ -157,6 +175,7 @@ void NeedlePath::lengthen(const PredictedStep& step, const Line& line) {
 
 void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {
   const PredictedStep& step = touched.step();
+  const bool pressed = !state_.hole.empty();
   if (state_.hole.empty() && !enter(step, line)) return;
   // Out again: as far as the skin gave way, so that rounding does not part them.
   if (is_ahead_of_tip(needle_, line.along(place(state_.hole.front(), step)))) {
@@ -167,6 +186,7 @@ void NeedlePath::follow(const TouchedParticles& touched, const Line& line) {
   state_.slip = std::max(state_.slip, line.along(place(state_.hole.back(), step)));
   if (!state_.punctured && state_.slip < needle_.radius) return;
   if (state_.punctured && state_.slip < spread_) return;
+  gives_way_ = pressed && !state_.punctured && bears(state_.hole.front()) < needle_.puncture;
   state_.punctured = true;
   lengthen(step, line);
 }

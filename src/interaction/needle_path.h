@@ -12,6 +12,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "predicted_step.h"
 #include "tool_frame.h"
@@ -27,9 +29,11 @@ class NeedlePath {
   void accept();  ///< the step counts
 
   const NeedleState& state() const { return state_; }
+  int gave_way() const { return gave_way_; }        ///< punctures below Needle::puncture, in accepted steps
   double length() const { return needle_.length; }  ///< m
   void restore(NeedleState state) { state_ = std::move(state); }
   void follow_body(const Model& model);  ///< cells were removed or brought back: surface, and nodes of the hole
+  void follow_stiffness(const Model& model, std::span<const double> factors);  ///< Scene::stiffness_factors()
 
  private:
   /// How an impulse on one node moves another: they share particles.
@@ -73,12 +77,14 @@ class NeedlePath {
   Crossing nearest_surface(const PredictedStep& step, const Vec3& x, const Vec3& direction) const;
   NeedleNode node_at(const PredictedStep& step, const Vec3& x);
   static Vec3 place(const NeedleNode& node, const PredictedStep& step);
+  double bears(const NeedleNode& node) const;
   Vec3 shaft_at(const Line& line, double along) const;
 
   // What acts on it: needle_coupling.cpp, needle_forces.cpp. k: row of a node.
   void couple(TouchedParticles& touched, const Line& start, double turned);
   void couple_nodes(TouchedParticles& touched);
   void share_out_length();
+  void limit(double turned, double dt);
   void hold_sideways(std::size_t k, const Line& end, double dt);
   void couple_sideways(double dt);
   void hold_on_bent(const Line& end, double dt);
@@ -93,7 +99,12 @@ class NeedlePath {
 
   Needle needle_;
   double friction_ = 0.0, spread_ = 0.0;
-  double support_radius_ = 0.0;               // m: of the weights that spread a force so far
+  double support_radius_ = 0.0;  // m: of the weights that spread a force so far
+  std::vector<double> bearing_;  // [N] Pa: needle_bearing()
+  std::vector<double> factors_;  // that it is of
+  double most_push_ = 0.0;       // N, of the tip in this step
+  int gave_way_ = 0;
+  bool gives_way_ = false;                    // in this step
   std::vector<std::array<Index, 3>> facets_;  // outward
   std::vector<Index> surface_;                // their particles
   std::vector<std::uint8_t> sides_;           // [N] of look_around_shaft()

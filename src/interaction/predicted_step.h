@@ -69,6 +69,7 @@ class TouchedParticles {
     Vec3 shift{0, 0, 0};        // m
     Vec3 withheld{0, 0, 0};     // N, of the elastic force, that no tool has borne so far
     bool held = false;          // by a tool: nothing else pushes it
+    Vec3 rubbed{0, 0, 0};       // normal of a tool with ToolContact::surface that presses it, times its friction
     Vec3 end(double dt) const { return position + dt * velocity; }
     Vec3 free_part(Vec3 vector) const {
       for (int a = 0; a < 3; ++a) {

@@ -9,7 +9,7 @@ namespace phymul {
 namespace {
 
 /// Of the longest edge at rest: what tool and body may use up lasts some tens of steps of a hand.
-constexpr double room_in_edges = 0.5;
+constexpr double room_in_edges = 1.0;
 
 /// Below it, of the thickness, squared, depth_after() looks at the end alone.
 constexpr double short_way = 0.2499;
@@ -190,6 +190,7 @@ bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>&
   const Depth<double> in = depth_of(shape, point.from, to, way);
   if (!(in.depth > 0.0)) return false;
   ContactLaw<double> own_law = law;
+  own_law.friction = 0.0;             // rub()
   own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
   const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, way, point.inverse_mass, dt);
   for (int c = 0; c < 3; ++c) {
@@ -199,20 +200,44 @@ bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>&
   return true;
 }
 
-/// What a round gave to particles that can take it.
+/// An impulse and a shift, in the tool's frame, to a particle that can take it.
+void SurfacePress::give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
+                        TouchedParticles& touched) {
+  TouchedParticles::Touched& particle = touched[corner.slot];
+  const Vec3 given = TouchedParticles::push(particle, end.turn * impulse);
+  const Vec3 by = particle.free_part(end.turn * shift);
+  particle.shift += by;
+  corner.given += given;
+  corner.to += end.turn.transpose() * (touched.dt() * corner.inverse_mass * given + by);
+}
+
+/// What a round's points gave.
 void SurfacePress::hand_over(const ToolFrame& end, TouchedParticles& touched) {
   for (const std::size_t k : loaded_) {
     Corner& corner = corners_[k];
     if (corner.impulse == Vec3::Zero() && corner.shift == Vec3::Zero()) continue;
     if (corner.inverse_mass > 0.0) {
-      TouchedParticles::Touched& particle = touched[corner.slot];
-      const Vec3 given = TouchedParticles::push(particle, end.turn * corner.impulse);
-      const Vec3 by = particle.free_part(end.turn * (corner.inverse_mass * corner.shift));
-      particle.shift += by;
-      corner.given += given;
-      corner.to += end.turn.transpose() * (touched.dt() * corner.inverse_mass * given + by);
+      give(corner, corner.impulse, corner.inverse_mass * corner.shift, end, touched);
+      corner.pressed += corner.impulse;
     }
     corner.impulse = corner.shift = Vec3::Zero();
+  }
+}
+
+void SurfacePress::rub(double friction, const ToolFrame& end, TouchedParticles& touched) {
+  for (const std::size_t k : loaded_) {
+    Corner& corner = corners_[k];
+    const double press = corner.pressed.norm();
+    if (!(press > 0.0)) continue;
+    const Vec3 normal = corner.pressed / press;
+    const auto along = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal); };
+    const double stop = 1.0 / (touched.dt() * corner.inverse_mass);
+    Vec3 wanted = along(corner.rubbed - stop * (corner.to - corner.from));
+    const double most = friction * press, size = wanted.norm();
+    if (size > most) wanted *= most / size;
+    give(corner, wanted - corner.rubbed, Vec3::Zero(), end, touched);
+    corner.rubbed = wanted;
+    touched[corner.slot].rubbed = friction * (end.turn * normal);
   }
 }
 
@@ -226,6 +251,7 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
     for (const Pressed& point : pressed_) any |= press(shape, law, point, dt);
     if (!any) break;
     hand_over(end, touched);
+    if (law.friction > 0.0) rub(law.friction, end, touched);
   }
   for (const std::size_t k : loaded_) {
     const Corner& corner = corners_[k];

@@ -13,6 +13,11 @@
 // points, and what lies evenly deep comes out in one round. Because a point that begins to touch has no load, the force
 // is continuous as a tool slides. The next step starts from what the last round leaves.
 //
+// Friction acts on the particles, after the points of each round, as in touch_in_step: against all sliding of a
+// particle, up to Coulomb's limit by what all rounds have pressed it with. So what sticks does not creep. (Friction of
+// a point in a round could use that round's press alone. Shallow points would slide where deep ones have limit to
+// spare, a little in each step, without end.)
+//
 // A flat face presses a triangle that lies before it at its corners: so under a plate a particle is one point, as with
 // ToolContact::particles. Over the face's border all points of a triangle act: fewer would change as it slides, and
 // never let it rest.
@@ -66,13 +71,14 @@ class SurfacePress {
  private:
   struct Corner {  // a particle, in the tool's frame
     Index row = -1;
-    std::size_t slot = 0;                   // where load is not 0; likewise inverse_mass
-    Vec3 from{0, 0, 0}, to{0, 0, 0};        // m, of its way in this step, with the impulses of past rounds
-    double inverse_mass = 0.0;              // 1/kg, 0 where it is imposed or held
-    double area = 0.0;                      // m^2, that it stands for where triangles are pressed at their corners
-    double load = 0.0;                      // m^3: sum over the points that touch of share times load
-    Vec3 impulse{0, 0, 0}, shift{0, 0, 0};  // N s and kg m, of this round
-    Vec3 given{0, 0, 0};                    // N s, of all rounds, in the world
+    std::size_t slot = 0;                    // where load is not 0; likewise inverse_mass
+    Vec3 from{0, 0, 0}, to{0, 0, 0};         // m, of its way in this step, with the impulses of past rounds
+    double inverse_mass = 0.0;               // 1/kg, 0 where it is imposed or held
+    double area = 0.0;                       // m^2, that it stands for where triangles are pressed at their corners
+    double load = 0.0;                       // m^3: sum over the points that touch of share times load
+    Vec3 impulse{0, 0, 0}, shift{0, 0, 0};   // N s and kg m, of this round
+    Vec3 pressed{0, 0, 0}, rubbed{0, 0, 0};  // N s, of all rounds: by points, and by friction
+    Vec3 given{0, 0, 0};                     // N s, of all rounds, in the world
   };
   using Corners = std::array<std::size_t, 3>;  // of a triangle, in corners_
   struct Pressed {                             // a point that touches in the first round
@@ -96,6 +102,9 @@ class SurfacePress {
                     TouchedParticles& touched);
   bool press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
   void hand_over(const ToolFrame& end, TouchedParticles& touched);
+  void rub(double friction, const ToolFrame& end, TouchedParticles& touched);
+  static void give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
+                   TouchedParticles& touched);
 
   ContactPoints points_;
   std::vector<Index> corner_of_;  // [N] of corners_, -1: not in this step

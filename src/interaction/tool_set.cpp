@@ -135,6 +135,7 @@ void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
     if (tools_[row].blade) tools_[row].blade->begin_call();
+    if (tools_[row].needle) tools_[row].needle->follow_stiffness(scene.model(), scene.stiffness_factors());
   }
   threads_.begin_call(scene, steps, at_once);
 }
@@ -284,6 +285,7 @@ void ToolSet::accept() {
     if (tool.needle) {
       tool.needle->accept();
       tool.moved.report.shaft = tool.needle->state().shaft;
+      tool.moved.report.tissue_gave_way = tool.needle->gave_way();
     }
     if (tool.blade) tool.blade->accept();
     tool.moved.accept_pose();

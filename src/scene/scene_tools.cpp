@@ -55,7 +55,9 @@ void require_spread(std::string_view tool, double spread, const Model& model) {
   if (spread == 0.0) return;
   const double spacing = needle_spacing(model);
   if (spread >= least_spread * spacing) return;
-  throw Error(label(tool) + "expected a spread of 0 (two spacings), or of at least a tenth of this body's spacing of " +
+  throw Error(label(tool) +
+              "expected a spread of 0 (34 radii, at least two spacings), or of at least a tenth of this body's spacing "
+              "of " +
               to_decimal(spacing) + " m; got " + to_decimal(spread) +
               " m. From 2.7 spacings on, forces hardly depend on the mesh");
 }

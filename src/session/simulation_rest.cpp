@@ -97,6 +97,7 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
     result = run_to_rest(std::min(some, max_steps - steps), dt, critical);
     result.report.force_clamped |= before.force_clamped;
     result.report.springs_broken += before.springs_broken;
+    result.report.tissue_gave_way += before.tissue_gave_way;
     steps += result.report.steps;
     if (result.status != RestStatus::step_limit || steps >= max_steps) break;
     solver().read(to);

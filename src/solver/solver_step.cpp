@@ -205,7 +205,7 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   follow_scene();
   StepPlan plan = plan_for(n, dt, damping, report.beyond_limit);
   plan.stop_at_rest = stop_at_rest;
-  const int broken_before = joints_->broken();
+  const int broken_before = joints_->broken(), gave_way_before = tissue_gave_way();
   const Motion motion = run(plan, report);
   report.steps = motion.steps;
   report.time = do_time();
@@ -220,10 +220,17 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   }
   report.force_clamped = motion.force_clamped;
   report.springs_broken = joints_->broken() - broken_before;
+  report.tissue_gave_way = tissue_gave_way() - gave_way_before;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
   note_strain(motion, report);
   report_failure(motion, report);
   return report;
+}
+
+int SolverBackend::tissue_gave_way() const {
+  int all = 0;
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) all += do_tool_report(row).tissue_gave_way;
+  return all;
 }
 
 void SolverBackend::note_strain(const Motion& motion, StepReport& report) {

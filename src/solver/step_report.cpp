@@ -29,6 +29,7 @@ std::string good_message(const StepReport& r, const char* verdict) {
         static_cast<int>(r.first_beyond), r.beyond_since);
     all += text;
   }
+  if (r.tissue_gave_way > 0) all += "; tissue gave way to a tip before the needle's puncture force";
   if (r.springs_broken == 0) return all;
   return all + "; " + std::to_string(r.springs_broken) +
          (r.springs_broken == 1 ? " spring of a joint broke" : " springs of joints broke");

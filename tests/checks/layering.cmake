@@ -15,7 +15,7 @@ set(rooms
     "io pml lml mesh surface_file label_file writer"
     "topology topology topology_textures"
     "elastic elasticity material_fit step_limit"
-    "interaction virtual_coupling"
+    "interaction virtual_coupling jaws"
     "solver gl solver solver_options step_report backend"
     "statics statics"
     "session recording state_file simulation plan"

@@ -114,6 +114,31 @@ TEST(GuideNeedles, Puncture) {
   EXPECT_NEAR(*std::max_element(curve.begin(), curve.end()), 2.0, 0.3);  // the puncture
 }
 
+TEST(GuideTools, Jaws) {
+  phymul::Simulation sim(phymul::make_block({0.06, 0.04, 0.02}, 8, 6, 3),
+                         {.material = soft, .backend = "cpu", .damping = {.rate = 50}});
+  sim.scene().fix("x0");
+  int ticks = 0;
+  double grip = 0.0;
+  const auto running = [&] { return ++ticks < 1000; };
+  const auto hinge = [] {
+    return phymul::ToolPose{.position = {0.07, 0.02, 0.01},
+                            .orientation = phymul::Quaternion(0.5, 0.5, 0.5, 0.5)};  // to -x, opens along z
+  };
+  const auto show = [&](const phymul::Vec3&, double now) { grip = now; };
+
+  phymul::Jaws grasper(sim.scene(), "grasper",
+                       {.length = 0.02, .friction = 0.8, .grip = 0.5, .opening = 2.0, .speed = 2.0}, hinge());
+  grasper.close();
+  while (running()) {
+    grasper.follow(hinge(), sim.force_on(grasper.first()), sim.force_on(grasper.second()), 1e-3);
+    if (!sim.advance(1e-3).ok()) break;
+    show(grasper.force(), grasper.grip());  // N: on the handle, and at the end of a plate
+  }
+
+  EXPECT_NEAR(grip, 0.5, 0.05);
+}
+
 TEST(GuideThreads, SewAndHang) {
   const double width = 0.02, depth = 0.01, y = 0.01;
   const phymul::Model piece = phymul::make_block({width, 0.02, depth}, 4, 4, 2);
