@@ -43,20 +43,26 @@ KERNEL WallArea wall_area(WallFrame now, real inverse_square) {
                   select(now.square > literal(0.1296f), inverse_square * inverse_square, per_cube * now.inverse));
 }
 
-// e of plane stress by three steps of Newton's method; trace: of C - I, halved. compliance: 2 mu / (3 K).
-KERNEL real wall_volume_change(real trace, real less, real compliance) {
+// J^(1/3) - 1 of plane stress by three steps of Newton's method, from a guess that is right for small strains. With
+// y = J^(1/3) the stress across is 0 where y^5 e + c (J^2 f - |F|^2 / 2) is; trace: of C - I, halved; c = 2 mu / (3 K).
+KERNEL real wall_swelling(real trace, real less, real c) {
   real one = literal(1.0f);
+  real two = literal(2.0f);
+  real three = literal(3.0f);
   real f = one + less;
-  real first = (compliance * (trace - less)) / (one + literal(2.0f) * (compliance * f));
-  real e = select(first > literal(0.0f), first / (one + literal(1.6666666f) * first), first);
+  real first = (c * (trace - less)) / (one + two * (c * f));
+  real guess = select(first > literal(0.0f), first / (one + literal(1.6666666f) * first), first);
+  real w = guess / (three + guess);
   for (int k = 0; k < 3; ++k) {
-    real J = one + e;
-    real power = J * inverse_cube_root(J);
-    real rest = (J * power) * e + compliance * ((e * (literal(2.0f) + e)) * f + (less - trace));
-    real slope = power * (J + literal(1.6666666f) * e) + (literal(2.0f) * compliance) * (J * f);
-    e = e - rest / slope;
+    real y = one + w;
+    real square = y * y;
+    real fourth = square * square;
+    real e = w * (three + w * (three + w));
+    real rest = (fourth * y) * e + c * ((e * (two + e)) * f + (less - trace));
+    real slope = fourth * ((three * (square * y) + literal(5.0f) * e) + (literal(6.0f) * c) * (f * y));
+    w = w - rest / slope;
   }
-  return e;
+  return w;
 }
 
 // Derivatives of the energy by a1 and a2. by_normal: by the normal; shear: A t mu.
@@ -71,13 +77,13 @@ KERNEL void wall_stress(WallFrame now, real3 T1, real3 T2, real3 H1, real3 H2, r
   real zero = literal(0.0f);
   real inverse_square = one / select(now.square > literal(0.1296f), now.square, one);
   WallArea area = wall_area(now, inverse_square);
-  real e = wall_volume_change(E11 + E22, area.less, compliance);
+  real w = wall_swelling(E11 + E22, area.less, compliance);
+  real e = w * (literal(3.0f) + w * (literal(3.0f) + w));
   real J = one + e;
-  real root = inverse_cube_root(J);
   real z = (J * J) * area.fall;
   real near_rest = ((now.q - e) * (two + now.q + e)) * (inverse_square * inverse_square);
   real rest = select(now.square > literal(0.1296f), near_rest, one - z);
-  real scale = shear * (root * root);
+  real scale = shear / ((one + w) * (one + w));
   real S11 = scale * (rest - two * (z * E22));
   real S22 = scale * (rest - two * (z * E11));
   real S12 = scale * (z * C12);

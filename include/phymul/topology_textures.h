@@ -76,10 +76,10 @@ struct VolumeTexel {
 struct WallTexel {
   /// The triangle, then the vertices across the sides (1, 2), (2, 0), (0, 1).
   std::array<Index, 6> vertex{none, none, none, none, none, none};
-  std::array<Vec3, 2> tangent{Vec3::Zero(), Vec3::Zero()};                    ///< at rest, orthonormal
-  std::array<Vec3, 3> second{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};       ///< at rest, 1/m
-  std::array<std::array<double, 2>, 6> gradient{};                            ///< 1/m
-  std::array<std::array<double, 3>, 6> hessian{};                             ///< 1/m^2
+  std::array<Vec3, 2> tangent{Vec3::Zero(), Vec3::Zero()};               ///< at rest, orthonormal
+  std::array<Vec3, 3> second{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< at rest, 1/m
+  std::array<std::array<double, 2>, 6> gradient{};                       ///< 1/m
+  std::array<std::array<double, 3>, 6> hessian{};                        ///< 1/m^2
   std::array<double, 6> bending{};  ///< A t^3/12 C, N m^3: of 11 11, 22 22, 12 12, 22 12, 11 12, 11 22
   double shear = 0.0;               ///< A t mu, J
   double compliance = 0.0;          ///< 2 mu / (3 K)

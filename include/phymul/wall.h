@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Thin walls: bodies of triangles in space whose material has a thickness (Law::walls). They need one layer of particles
-// where cells that fill a wall need several.
+// Thin walls: bodies of triangles in space whose material has a thickness (Law::walls). They need one layer of
+// particles where cells that fill a wall need several.
 #pragma once
 
 #include <phymul/body.h>

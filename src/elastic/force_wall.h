@@ -79,8 +79,8 @@ inline double wall_energy(const WallTexel& w, std::span<const Vec3> rest, std::s
   for (std::size_t k_ = 1; k_ < 6; ++k_) {
     if (w.vertex[k_] == none) continue;
     const auto& h = w.hessian[k_];
-    const Vec3 pull = w.gradient[k_][0] * P1 + w.gradient[k_][1] * P2 +
-                      (h[0] * moment[0] + h[1] * moment[1] + h[2] * moment[2]) * n;
+    const Vec3 pull =
+        w.gradient[k_][0] * P1 + w.gradient[k_][1] * P2 + (h[0] * moment[0] + h[1] * moment[1] + h[2] * moment[2]) * n;
     force[w.vertex[k_]] -= pull;
     force[first] += pull;
   }

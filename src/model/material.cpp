@@ -30,8 +30,9 @@ void sum_masses(Model& model) {
     const Cell& cell = model.cells[row];
     const bool wall = is_wall(model, cell);
     if (cell.material < 0 || !(wall || is_solid(model.dimension, cell))) continue;
-    const double measure = wall ? model.materials[cell.material].thickness * area_vector(cell.particles, model.rest).norm()
-                                : signed_measure(model.dimension, cell, model.rest);
+    const double measure =
+        wall ? model.materials[cell.material].thickness * area_vector(cell.particles, model.rest).norm()
+             : signed_measure(model.dimension, cell, model.rest);
     if (!(measure > 0.0)) {
       throw Error(ErrorCode::invalid_model,
                   cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
@@ -69,8 +70,9 @@ template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
   validate(model);
   if (material.thickness > 0.0 && model.dimension == 2) {
-    throw Error("set_material: expected a model in 3 dimensions for a material with a thickness (Law::walls), got one in "
-                "2; set the thickness to 0");
+    throw Error(
+        "set_material: expected a model in 3 dimensions for a material with a thickness (Law::walls), got one in "
+        "2; set the thickness to 0");
   }
   if (!(model.most_mass_moved >= 0.0 && model.most_mass_moved < 1.0)) {
     throw Error("set_material: expected Model::most_mass_moved of at least 0 and below 1, got " +
@@ -190,8 +192,9 @@ void require_in_range(const Material& material) {
   const bool plain = material.stiffening == Stiffening{};
   const bool dissipates = material.retardation_time > 0.0 || material.relaxation_strength > 0.0;
   if (material.thickness > 0.0 && (!plain || dissipates || material.fibre_ratio > 1.0)) {
-    throw Error("material: expected a wall (thickness above 0) to have neither fibres nor stiffening nor dissipation; "
-                "leave these at their defaults");
+    throw Error(
+        "material: expected a wall (thickness above 0) to have neither fibres nor stiffening nor dissipation; "
+        "leave these at their defaults");
   }
   if (plain) return;
   if (const std::string fault = fault_of(material.stiffening); !fault.empty()) throw Error("material: " + fault);
@@ -219,16 +222,16 @@ void set_material(Model& model, const Material& material, std::string_view group
 double set_material(Model& model, const Material& material, const Contains& contains) {
   require_in_range(material);
   double volume = 0.0;
-  assign(model, material,
-         "set_material: expected the centres of some " + cells_for(model, material) +
-             " in the region, but there are none",
-         [&](std::size_t row) {
-           const Cell& cell = model.cells[row];
-           if (!contains(cell_centre(cell, model.rest))) return false;
-           volume += material.thickness > 0.0 ? material.thickness * area_vector(cell.particles, model.rest).norm()
-                                              : signed_measure(model.dimension, cell, model.rest);
-           return true;
-         });
+  assign(
+      model, material,
+      "set_material: expected the centres of some " + cells_for(model, material) + " in the region, but there are none",
+      [&](std::size_t row) {
+        const Cell& cell = model.cells[row];
+        if (!contains(cell_centre(cell, model.rest))) return false;
+        volume += material.thickness > 0.0 ? material.thickness * area_vector(cell.particles, model.rest).norm()
+                                           : signed_measure(model.dimension, cell, model.rest);
+        return true;
+      });
   return volume;
 }
 

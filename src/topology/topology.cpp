@@ -226,15 +226,17 @@ void build_averaged(const Model& model, TopologyTextures& topology) {
 
 void build_walls(const Model& model, TopologyTextures& topology) {
   const TopologyOptions& options = topology.options;
-  require(has_walls(model), "Law::walls needs triangles whose material has a thickness: call make_wall or set_material");
+  require(has_walls(model),
+          "Law::walls needs triangles whose material has a thickness: call make_wall or set_material");
   require(options.reaction == Reaction::conservative && options.volume_stiffness == 0.0 &&
               options.strain_energy == StrainEnergy::neo_hookean,
           "Law::walls takes no other reaction, volume_stiffness or strain_energy than the defaults; leave them");
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     if (!is_solid(model.dimension, model.cells[row]) || model.cells[row].material < 0) continue;
     throw Error(ErrorCode::not_supported,
-                cell_label(model, row) + " fills space and has a material, but other cells of the model are walls; walls "
-                                         "on volumes in one model are not supported: join two bodies instead");
+                cell_label(model, row) +
+                    " fills space and has a material, but other cells of the model are walls; walls "
+                    "on volumes in one model are not supported: join two bodies instead");
   }
   topology.walls = wall_terms(model);
   std::vector<char> has_wall(model.rest.size(), 0);

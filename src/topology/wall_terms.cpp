@@ -59,8 +59,9 @@ WallEdges wall_edges(const Model& model) {
     const auto found = edges.find(edge_of(cell.particles[0], cell.particles[1]));
     if (found == edges.end() || found->second.triangles != 1) {
       throw Error(ErrorCode::invalid_model,
-                  cell_label(model, row) + ": expected a line with a material to be an edge of a wall with one triangle "
-                                           "(clamp_edges); set its material to -1, or remove it");
+                  cell_label(model, row) +
+                      ": expected a line with a material to be an edge of a wall with one triangle "
+                      "(clamp_edges); set its material to -1, or remove it");
     }
     found->second.clamped = true;
   }
@@ -89,8 +90,9 @@ Patch patch_of(const Model& model, std::size_t row, const WallEdges& edges) {
   patch.area = area_vector(cell.particles, model.rest).norm();
   const double length = (X(1) - X(0)).norm();
   if (!(patch.area > 1e-6 * length * length) || !(length > 0.0)) {
-    throw Error(ErrorCode::invalid_model, cell_label(model, row) + ": expected a triangle of a wall to have an area; "
-                                                                   "merge its corners, or remove it");
+    throw Error(ErrorCode::invalid_model, cell_label(model, row) +
+                                              ": expected a triangle of a wall to have an area; "
+                                              "merge its corners, or remove it");
   }
   const Vec3 t = (X(1) - X(0)) / length;
   patch.p.col(1) = Vec2(length, 0.0);
@@ -104,7 +106,8 @@ Patch patch_of(const Model& model, std::size_t row, const WallEdges& edges) {
     if (patch.free(side)) continue;
     const Vec3 r = X(3 + side) - X(a), s = (X(b) - X(a)).normalized();
     const double on = s.dot(r), out = (r - on * s).norm();
-    patch.p.col(3 + side) = patch.p.col(a) + on * patch.along(side).normalized() + out * patch.across(side).normalized();
+    patch.p.col(3 + side) =
+        patch.p.col(a) + on * patch.along(side).normalized() + out * patch.across(side).normalized();
   }
   return patch;
 }

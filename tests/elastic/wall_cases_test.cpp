@@ -47,8 +47,8 @@ TEST(WallCases, ConvergeToTheLiterature) {
 TEST(WallCases, StripBendsIntoACircle) {
   constexpr double E = 10e3, t = 1e-3, L = 0.1, b = 0.01, R = L / full_turn;
   for (const double jitter : {0.0, 0.2}) {
-    const Model model = wall_of(grid_surface(60, 6, jitter, [](double u, double v) { return Vec3(L * u, b * v, 0); }),
-                                E, 0.0, t);
+    const Model model =
+        wall_of(grid_surface(60, 6, jitter, [](double u, double v) { return Vec3(L * u, b * v, 0); }), E, 0.0, t);
     const TopologyTextures tables = build_topology(model);
     const double row = 1.3 * L / 60.0;
     WallRest strip(tables, held_of(model, [&](const Vec3& X) { return X.x() < row || X.x() > L - row ? 7 : 0; }));
@@ -87,13 +87,12 @@ TEST(WallCases, BalloonFollowsTheClosedForm) {
 TEST(WallCases, TubeStretchesUnderPressure) {
   constexpr double E = 10e3, nu = 0.3, t = 5e-4, R = 0.01, L = 0.08, p = 1.0;
   for (const double jitter : {0.0, 0.2}) {
-    const Model model = wall_of(grid_surface(
-                                    48, 60, jitter,
-                                    [](double u, double v) {
-                                      return Vec3(R * std::cos(full_turn * u), R * std::sin(full_turn * u), L * v);
-                                    },
-                                    true),
-                                E, nu, t);
+    const Model model = wall_of(
+        grid_surface(
+            48, 60, jitter,
+            [](double u, double v) { return Vec3(R * std::cos(full_turn * u), R * std::sin(full_turn * u), L * v); },
+            true),
+        E, nu, t);
     const TopologyTextures tables = build_topology(model);
     std::vector<std::uint8_t> held = held_of(model, [](const Vec3& X) { return X.z() < 1e-9 ? 4 : 0; });
     held[0] |= 2, held[24] |= 2, held[12] |= 1;
@@ -125,8 +124,8 @@ TEST(WallCases, StripBucklesAtEulersLoad) {
   constexpr double E = 10e3, t = 1e-3, L = 0.1, b = 0.01;
   constexpr double euler = std::numbers::pi * std::numbers::pi * E * b * t * t * t / 12.0 / (L * L);
   for (const double jitter : {0.0, 0.2}) {
-    const Model model = wall_of(grid_surface(40, 4, jitter, [](double u, double v) { return Vec3(L * u, b * v, 0); }),
-                                E, 0.0, t);
+    const Model model =
+        wall_of(grid_surface(40, 4, jitter, [](double u, double v) { return Vec3(L * u, b * v, 0); }), E, 0.0, t);
     const TopologyTextures tables = build_topology(model);
     const auto sag = [&](double axial) {
       WallRest strip(tables, held_of(model, [](const Vec3& X) {

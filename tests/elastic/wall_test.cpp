@@ -44,7 +44,7 @@ TEST(Wall, NeitherRestNorRigidMotionHasForces) {
   for (const Model& model : {bowl(false), wall_of(sphere_surface(radius, 4), 10e3, 0.4, 2e-3)}) {
     const TopologyTextures tables = build_topology(model);
     const double scale = size_of(forces_at(tables, random_positions(model, 0.1, 3)));
-    EXPECT_EQ(size_of(forces_at(tables, model.rest)), 0.0);
+    EXPECT_LT(size_of(forces_at(tables, model.rest)), 1e-12 * scale);
     VecList x = model.rest;
     for (Vec3& p : x) p = Eigen::AngleAxisd(2.0, Vec3(1, 2, 3).normalized()) * p + Vec3(0.1, 0.2, 0.3);
     EXPECT_LT(size_of(forces_at(tables, x)), 1e-12 * scale);
@@ -67,7 +67,8 @@ TEST(Wall, ForcesAreTheSlopeOfTheEnergyAlsoWhereItIsCrushed) {
         up[i][axis] += h;
         down[i][axis] -= h;
         const double slope = (elastic_energy(tables, up) - elastic_energy(tables, down)) / (2.0 * h);
-        EXPECT_NEAR(force[i][axis], -slope, 2e-5 * size_of(force)) << crushed << ", particle " << i << ", axis " << axis;
+        EXPECT_NEAR(force[i][axis], -slope, 2e-5 * size_of(force))
+            << crushed << ", particle " << i << ", axis " << axis;
       }
     }
   }
@@ -87,8 +88,8 @@ TEST(Wall, ConservesBothMomenta) {
 TEST(Wall, StretchesWithYoungsModulusAndPoissonsRatio) {
   constexpr double E = 10e3, nu = 0.4, t = 1e-3, a = 0.1, e = 1e-5;
   for (const double jitter : {0.0, 0.25}) {
-    const Model model = wall_of(grid_surface(5, 4, jitter, [](double u, double v) { return Vec3(a * u, a * v, 0); }), E,
-                                nu, t);
+    const Model model =
+        wall_of(grid_surface(5, 4, jitter, [](double u, double v) { return Vec3(a * u, a * v, 0); }), E, nu, t);
     const TopologyTextures tables = build_topology(model);
     VecList x = model.rest;
     for (Vec3& p : x) p = {p.x() * (1.0 + e), p.y() * (1.0 - nu * e), 0.0};
@@ -100,25 +101,25 @@ TEST(Wall, StretchesWithYoungsModulusAndPoissonsRatio) {
   }
 }
 
-/// The same moduli by quadratic positions, on every inner triangle: what L is for.
-TEST(Wall, BendsWithTheModuliOfAPlate) {
+/// A constant moment is in equilibrium.
+TEST(Wall, BendsWithoutForcesInside) {
   constexpr double E = 10e3, nu = 0.3, t = 1e-3, a = 0.1, k = 1e-3, D = E * t * t * t / 12.0 / (1.0 - nu * nu);
-  for (const double jitter : {0.0, 0.2}) {
-    const Model model =
-        wall_of(grid_surface(24, 24, jitter, [](double u, double v) { return Vec3(a * u, a * v, 0); }), E, nu, t);
-    const TopologyTextures tables = build_topology(model);
-    VecList x = model.rest;
-    for (Vec3& p : x) p.z() = 0.5 * k * p.x() * p.x();
-    VecList force = forces_at(tables, x);
-    // A constant moment is in equilibrium inside, but for what is left of L.
-    double inside = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const Vec3& X = model.rest[i];
-      const double edge = std::min({X.x(), X.y(), a - X.x(), a - X.y()});
-      if (edge > 3.0 * a / 24.0) inside = std::max(inside, std::abs(force[i].z()));
+  const Model model =
+      wall_of(grid_surface(12, 12, 0.0, [](double u, double v) { return Vec3(a * u, a * v, 0); }), E, nu, t);
+  const TopologyTextures tables = build_topology(model);
+  VecList x = model.rest;
+  for (Vec3& p : x) p.z() = 0.5 * k * p.x() * p.x();
+  const VecList force = forces_at(tables, x);
+  double edges = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3& X = model.rest[i];
+    const double edge = std::min({X.x(), X.y(), a - X.x(), a - X.y()});
+    if (edge > 2.5 * a / 12.0) {
+      EXPECT_LT(std::abs(force[i].z()), 1e-5 * D * k);
     }
-    EXPECT_LT(inside, (jitter == 0.0 ? 1e-6 : 0.25) * D * k) << jitter;
+    edges = std::max(edges, std::abs(force[i].z()));
   }
+  EXPECT_GT(edges, 0.1 * D * k);
 }
 
 TEST(Wall, StepLimitIsThatOfItsVibrations) {
@@ -178,8 +179,9 @@ TEST(Wall, RefusesWhatItCannotDo) {
   branched.vertices.emplace_back(0.0, 0.0, 0.1);
   branched.triangles.push_back({disc.triangles[0][0], disc.triangles[0][1], 19});
   const Model branches = make_wall(branched, {.material = material});
-  EXPECT_NE(message_of([&] { build_topology(branches); }).find("expected an edge of a wall to join one or two triangles"),
-            std::string::npos);
+  EXPECT_NE(
+      message_of([&] { build_topology(branches); }).find("expected an edge of a wall to join one or two triangles"),
+      std::string::npos);
   Surface flat = disc;
   flat.triangles.push_back({0, 1, 1});
   EXPECT_NE(message_of([&] { make_wall(flat, {.material = material}); }), "");

@@ -188,9 +188,9 @@ class BoundedForces {
     std::array<Bounded, 3> change, moment;
     for (std::size_t ab = 0; ab < 3; ++ab) {
       X[ab] = stored3(wall.second[ab]);
-      change[ab] = BoundedKernels::inner_product(now.turn, X[ab]);
+      change[ab] = inner_product(now.turn, X[ab]);
       for (std::size_t k = 1; k < 6; ++k) {
-        change[ab] = change[ab] + hessian(k, ab) * BoundedKernels::inner_product(now.normal, d[k]);
+        change[ab] = change[ab] + hessian(k, ab) * inner_product(now.normal, d[k]);
       }
     }
     constexpr std::array<std::array<std::size_t, 3>, 3> entry{{{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}};

@@ -49,11 +49,10 @@ inline double circular_plate(int rings, double jitter, bool clamped) {
 inline double scordelis_lo_roof(int n, double jitter) {
   constexpr double E = 4.32e8, t = 0.25, R = 25.0, L = 25.0;
   const double angle = degrees(40.0);
-  Model model = wall_of(grid_surface(n, n, jitter,
-                                     [&](double u, double v) {
-                                       return Vec3(L * u, R * std::sin(angle * v), R * std::cos(angle * v));
-                                     }),
-                        E, 0.0, t);
+  Model model = wall_of(
+      grid_surface(n, n, jitter,
+                   [&](double u, double v) { return Vec3(L * u, R * std::sin(angle * v), R * std::cos(angle * v)); }),
+      E, 0.0, t);
   clamp_edges(model, [](const Vec3& X) { return X.x() < 1e-6 || X.y() < 1e-6; });
   const TopologyTextures tables = build_topology(model);
   WallRest roof(tables, held_of(model, [](const Vec3& X) {

@@ -17,9 +17,9 @@
 
 namespace phymul::test {
 
-/// Triangles over a grid of (nu + 1) x (nv + 1) points of the unit square, at `place`, cut along their shorter diagonal.
-/// Unstructured with a `jitter` above 0: inner points of every other row stand between those of the next, and each is
-/// moved by up to so many cells. `closed`: u = 1 is u = 0.
+/// Triangles over a grid of (nu + 1) x (nv + 1) points of the unit square, at `place`, cut along their shorter
+/// diagonal. Unstructured with a `jitter` above 0: inner points of every other row stand between those of the next, and
+/// each is moved by up to so many cells. `closed`: u = 1 is u = 0.
 inline Surface grid_surface(int nu, int nv, double jitter, const std::function<Vec3(double, double)>& place,
                             bool closed = false, unsigned seed = 5) {
   std::mt19937 bits(seed);
@@ -103,7 +103,8 @@ inline Surface sphere_surface(double radius, int n) {
 }
 
 inline Model wall_of(const Surface& surface, double young, double poisson, double thickness) {
-  return make_wall(surface, {.material = {.young = young, .poisson = poisson, .density = 1000.0, .thickness = thickness}});
+  return make_wall(surface,
+                   {.material = {.young = young, .poisson = poisson, .density = 1000.0, .thickness = thickness}});
 }
 
 /// Newton's method for walls alone.
@@ -165,7 +166,8 @@ class WallRest {
       moved[static_cast<std::size_t>(c / 3)][c % 3] -= 2.0 * h;
       wall_energy(own, rest, moved, minus);
       for (int r = 0; r < 18; ++r) {
-        K(r, c) = (minus[static_cast<std::size_t>(r / 3)][r % 3] - plus[static_cast<std::size_t>(r / 3)][r % 3]) / (2.0 * h);
+        K(r, c) =
+            (minus[static_cast<std::size_t>(r / 3)][r % 3] - plus[static_cast<std::size_t>(r / 3)][r % 3]) / (2.0 * h);
       }
     }
     for (int r = 0; r < 18; ++r) {

@@ -5,9 +5,10 @@ namespace phymul::cpu {
 
 WorkLaps::WorkLaps(Profile* profile, const PackedBody& body) : profile_(profile) {
   if (!profile_) return;
-  constexpr std::array<const char*, kinds> names{
-      "loads",           "gathering", "bases", "enumerated bases", "springs",  "volumes", "walls", "averaged stresses",
-      "averaged forces", "waiting",   "move",  "tools",            "contacts", "checks"};
+  constexpr std::array<const char*, kinds> names{"loads",           "gathering", "bases", "enumerated bases",
+                                                 "springs",         "volumes",   "walls", "averaged stresses",
+                                                 "averaged forces", "waiting",   "move",  "tools",
+                                                 "contacts",        "checks"};
   for (std::size_t k = 0; k < names.size(); ++k) rows_[k] = profile_->row(names[k]);
   const auto runs = [this](Work work, bool yes) {
     bool& any = runs_[static_cast<std::size_t>(work)];

@@ -179,8 +179,8 @@ void TermPacker::estimate_cost(int c) {
   const double base = body_.use == simd::BaseUse::attractor ? 25.0 : body_.use == simd::BaseUse::averaged ? 80.0 : 50.0;
   cluster.cost = base * rows_since(body_.base_first, starts_[c].base_slice) + triples_.cost(c) +
                  8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 55.0 * cluster.job.volumes.count +
-                 200.0 * cluster.job.walls.count +
-                 20.0 * cluster.own / body_.lanes + 2.0 * static_cast<double>(cluster.halo.size());
+                 200.0 * cluster.job.walls.count + 20.0 * cluster.own / body_.lanes +
+                 2.0 * static_cast<double>(cluster.halo.size());
 }
 
 void TermPacker::point_jobs() {
