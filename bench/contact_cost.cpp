@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// What Scene::contacts costs a step: two solvers of the same body, one with contacts, take turns from the same start.
-// Medians of wall time over the turns; on cpu with one thread of processor time. Where bodies touch the two move apart.
+// What contacts, or a tool that acts on the host, cost a step: two solvers of the same body, one with it, take turns
+// from the same start. Medians of wall time over the turns; on cpu with one thread of processor time. Where bodies
+// touch the two move apart.
 //   contact_cost [--help]
 #include <phymul/phymul.h>
 
@@ -122,6 +123,13 @@ std::vector<Case> cases() {
           {.name = "liver, gallbladder", .model = gallbladder_under_liver(), .gravity = down, .fixed = "held"}};
 }
 
+Case tetrahedral_block(int particles) {
+  const int across = static_cast<int>(std::cbrt(particles));
+  return {.name = "tetrahedra, a block",
+          .model = soft(make_tetrahedral_block({0.1, 0.1, 0.1}, across, across, across, 0.2, 7)),
+          .fixed = "z0"};
+}
+
 Case tetrahedra_stacked(int particles) {
   return {.name = "tetrahedra, stacked",
           .model = two_tetrahedral_blocks(particles),
@@ -142,8 +150,27 @@ struct Choice {
   std::string backend;
   int threads = 1;
   int turns = 11;
-  bool on_host = false;  // by a tool on triangles out of reach: what touches then acts on the host, on devices too
+  std::string touch = "contacts";
 };
+
+/// contacts; host: the same, and a tool on triangles out of reach, so that what touches acts on the host, on devices
+/// too; ball: pressed into the top by 3 mm, on triangles; needle: 10 mm deep.
+void add_touch(Scene& scene, const Case& test, const std::string& touch) {
+  Vec3 top(0, 0, -HUGE_VAL);
+  for (const Vec3& x : test.model.rest) {
+    if (x.z() > top.z()) top = x;
+  }
+  if (touch == "contacts" || touch == "host") scene.contacts({.self = test.self});
+  if (touch == "host" || touch == "ball") {
+    const Vec3 at = touch == "ball" ? Vec3(top + Vec3(0, 0, 0.007)) : Vec3(0, 0, 50);
+    scene.add_tool("ball", {.shape = Sphere{0.01}, .pose = {.position = at}, .contact = ToolContact::surface});
+  }
+  if (touch == "needle") {
+    const auto needle = scene.add_tool({.shape = Needle{.length = 0.08, .puncture = 0.0, .cutting = 0.1},
+                                        .pose = {.position = top + Vec3(0, 0, 1e-3)}});
+    needle.move_to({.position = top - Vec3(0, 0, 0.01)});
+  }
+}
 
 double microseconds_a_step(const std::function<void()>& steps, bool processor_time) {
   const Stopwatch watch;
@@ -158,10 +185,7 @@ void run(const Case& test, const Choice& choice) {
     scene->gravity(test.gravity);
     if (!test.fixed.empty()) scene->fix(test.fixed);
   }
-  with.contacts({.self = test.self});
-  if (choice.on_host) {
-    with.add_tool("far", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 50}}, .contact = ToolContact::surface});
-  }
+  add_touch(with, test, choice.touch);
   SolverOptions options;
   options.threads = choice.threads;
   options.damping.rate = 5.0;
@@ -190,34 +214,39 @@ void run(const Case& test, const Choice& choice) {
 }
 
 const bench::KnownArguments known{{"cases", ""},    {"particles", ""}, {"backends", "cpu"},
-                                  {"threads", "1"}, {"turns", "11"},   {"host", "0"}};
+                                  {"threads", "1"}, {"turns", "11"},   {"touch", "contacts"}};
 
 }  // namespace
 
 int main(int argc, char** argv) try {
   if (bench::prints_usage(
           argc, argv, "contact_cost",
-          "Microseconds a step without and with contacts. cases: a part of their names;\n"
-          "particles: in place of the cases, two stacked blocks of so many; threads: of cpu; host 1: what\n"
-          "touches acts on the host on devices too",
+          "Microseconds a step without and with what touches. cases: a part of their names;\n"
+          "particles: in place of the cases, two stacked blocks of so many, or one block under a tool;\n"
+          "threads: of cpu; touch: contacts, host (the same, acting on the host on devices too), ball, needle",
           known)) {
     return 0;
   }
   const bench::Arguments arguments(argc, argv, known);
+  const std::string touch = arguments.text("touch");
+  if (touch != "contacts" && touch != "host" && touch != "ball" && touch != "needle") {
+    throw Error("--touch: expected contacts, host, ball or needle, got \"" + touch + "\"");
+  }
   std::vector<Case> tests;
   for (const double particles : arguments.numbers("particles")) {
-    tests.push_back(tetrahedra_stacked(static_cast<int>(particles)));
+    const bool stacked = touch == "contacts" || touch == "host";
+    const auto count = static_cast<int>(particles);
+    tests.push_back(stacked ? tetrahedra_stacked(count) : tetrahedral_block(count));
   }
   if (tests.empty()) tests = cases();
   const int turns = std::max(1, static_cast<int>(arguments.number("turns")));
-  const bool on_host = arguments.number("host") != 0.0;
   std::printf("us a step, medians of %d turns of %d steps\n", turns, steps_a_turn);
   std::printf("%-12s %7s  %-22s %9s | %9s %9s | %6s\n", "", "threads", "", "particles", "without", "with", "ratio");
   for (const Case& test : tests) {
     if (test.name.find(arguments.text("cases")) == std::string::npos) continue;
     for (const std::string& backend : arguments.list("backends")) {
       const std::vector<double> threads = backend == "cpu" ? arguments.numbers("threads") : std::vector{1.0};
-      for (const double count : threads) run(test, {backend, static_cast<int>(count), turns, on_host});
+      for (const double count : threads) run(test, {backend, static_cast<int>(count), turns, touch});
     }
   }
   return 0;
