@@ -166,7 +166,7 @@ void add_touch(Scene& scene, const Case& test, const std::string& touch) {
     scene.add_tool("ball", {.shape = Sphere{0.01}, .pose = {.position = at}, .contact = ToolContact::surface});
   }
   if (touch == "needle") {
-    const auto needle = scene.add_tool({.shape = Needle{.length = 0.08, .puncture = 0.0, .cutting = 0.1},
+    const auto needle = scene.add_tool({.shape = Needle{.length = 0.08, .puncture = 0.1, .cutting = 0.1},
                                         .pose = {.position = top + Vec3(0, 0, 1e-3)}});
     needle.move_to({.position = top - Vec3(0, 0, 0.01)});
   }
