@@ -54,6 +54,7 @@ class SurfaceBuilder {
       surface_.rest.push_back(place[k]);
     }
     std::vector<int> edges(surface_.particles.size(), 0);
+    std::vector<char> on_both(edges.size(), 0);  // faces of a cut: where it ends
     for (std::size_t t = 0; t < tissue.triangles.size(); ++t) {
       const auto& corner = tissue.triangles[t];
       if (slot[corner[0]] < 0) continue;
@@ -67,6 +68,7 @@ class SurfaceBuilder {
         ++edges[slot[c]];
         if (!of_cut) continue;
         own.of_cut = true;
+        if (area.dot(own.normal) < 0.0) on_both[slot[c]] = 1;
         own.normal += area;
       }
       surface_.longest_edge = std::max(surface_.longest_edge, edge);
@@ -78,6 +80,7 @@ class SurfaceBuilder {
     }
     for (std::size_t k = static_cast<std::size_t>(first); k < edges.size(); ++k) {
       surface_.particles[k].edge /= std::max(edges[k], 1);
+      if (on_both[k] != 0) surface_.particles[k].normal.setZero();
     }
   }
 

@@ -95,6 +95,30 @@ TEST(Lips, LeaveABodyAtRestInPeace) {
   }
 }
 
+/// Where a cut ends its points are on both faces, and touch neither.
+TEST(Lips, AreNoneAtTheFront) {
+  int at_front = 0;
+  for (const double to_x : {0.006, 0.01, 0.012, 0.016}) {
+    const Model model = cut_body(bar(), across(to_x));
+    const ContactSurface surface = make_contact_surface(model, CutFaces::made);
+    std::vector<std::array<bool, 2>> faces(surface.particles.size(), {false, false});  // above and below
+    for (const ContactSurface::Triangle& triangle : surface.triangles) {
+      if (!triangle.of_cut) continue;
+      const Vec3 &a = surface.rest[triangle.corner[0]], &b = surface.rest[triangle.corner[1]],
+                 &c = surface.rest[triangle.corner[2]];
+      for (const Index k : triangle.corner) faces[k][(b - a).cross(c - a).z() > 0.0] = true;
+    }
+    for (std::size_t k = 0; k < faces.size(); ++k) {
+      if (!faces[k][0] || !faces[k][1]) continue;
+      ++at_front;
+      for (const ContactSurface::Triangle& triangle : surface.triangles) {
+        EXPECT_FALSE(surface.are_lips(surface.particles[k], k, triangle)) << surface.particles[k].normal.transpose();
+      }
+    }
+  }
+  EXPECT_GT(at_front, 20);
+}
+
 /// Points of one face meet triangles of the other one; the faces of a strip between two cuts do not meet through it.
 TEST(Lips, AreTheTwoFacesOfOneCut) {
   const double thickness = 1.6e-3;  // m; particles nearer than 0.4 mm to a cut are taken to lie on it
