@@ -79,7 +79,7 @@ struct Patch {
   Vec2 along(int side) const { return p.col((side + 2) % 3) - p.col((side + 1) % 3); }
   /// Outward, as long as the side.
   Vec2 across(int side) const { return {along(side).y(), -along(side).x()}; }
-  double plane_area() const { return 0.5 * (along(2).x() * along(1).y() - along(2).y() * along(1).x()) * -1.0; }
+  double plane_area() const { return 0.5 * (along(1).x() * along(2).y() - along(1).y() * along(2).x()); }
 };
 
 Patch patch_of(const Model& model, std::size_t row, const WallEdges& edges) {

@@ -66,7 +66,7 @@ TEST(WallCases, StripBendsIntoACircle) {
 
 /// p = 2 mu t / R (1 / s - 1 / s^7) of an incompressible membrane (Adkins and Rivlin 1952).
 TEST(WallCases, BalloonFollowsTheClosedForm) {
-  constexpr double E = 10e3, t = 1e-4, R = 0.05, modulus = E / 3.0;
+  constexpr double E = 10e3, t = 1e-4, R = 0.05, rubber = E / 3.0;
   const Model model = wall_of(sphere_surface(R, 12), E, 0.4999, t);
   const TopologyTextures tables = build_topology(model);
   for (const double s : {1.05, 1.38, 2.0}) {
@@ -79,7 +79,7 @@ TEST(WallCases, BalloonFollowsTheClosedForm) {
       work -= force[i].dot(model.rest[i]);
       unit += wall[i].dot(model.rest[i]);
     }
-    EXPECT_NEAR(work / unit / (2.0 * modulus * t / R * (1.0 / s - std::pow(s, -7.0))), 1.0, 0.01) << s;
+    EXPECT_NEAR(work / unit / (2.0 * rubber * t / R * (1.0 / s - std::pow(s, -7.0))), 1.0, 0.01) << s;
   }
 }
 
