@@ -132,7 +132,7 @@ TEST(Jaws, RefuseWhatMakesNoSense) {
   EXPECT_TRUE(refuses_with({.opening = 4.0}, "of at most 3 rad, got 4"));
   EXPECT_TRUE(refuses_with({.friction = -1.0}, "friction"));
   EXPECT_TRUE(scene.tools().empty());
-  scene.add_tool("k 2", Sphere{0.001});
+  scene.add_tool("k 2", {.shape = Sphere{0.001}});
   EXPECT_TRUE(refuses([&] { Jaws(scene, "k", {}, {}); }, "k 2"));
   EXPECT_EQ(scene.tools().size(), 1u);
   scene.remove_tool("k 2");
