@@ -185,6 +185,13 @@ Model with_material(Model model) {
   return model;
 }
 
+/// The surface of a bent block.
+Model wall(int a_side) {
+  const Model solid = bent(block(a_side, 6));
+  const Material sheet{.young = 10e3, .poisson = 0.45, .density = 1000.0, .thickness = 2e-3};
+  return make_wall({.vertices = solid.rest, .triangles = surface_triangles(solid), .notes = {}}, {.material = sheet});
+}
+
 std::vector<std::function<Case()>> cases() {
   const TopologyOptions shared_all{.reaction = Reaction::shared, .bases = BaseSelection::all};
   const TopologyOptions averaged_all{.reaction = Reaction::averaged, .bases = BaseSelection::all};
@@ -240,6 +247,12 @@ std::vector<std::function<Case()>> cases() {
       },
       [=] {
         return Case{"tetrahedra material 4k", with_material(tetrahedra(16)), {}};
+      },
+      [] {
+        return Case{"walls 1k", wall(14), {}};
+      },
+      [] {
+        return Case{"walls 4k", wall(27), {}};
       },
       [=] {
         return Case{"lattice material 2673", with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)), {}};

@@ -43,7 +43,7 @@ Normal normal_of(const Float3& a, const Float3& b, const Float3& c) {
 }  // namespace
 
 bool PlainLoop::covers(const TopologyTextures& t) {
-  return t.dimension == 3 && t.volumes.empty() && t.domains.empty() && !t.rest.empty();
+  return t.dimension == 3 && t.volumes.empty() && t.walls.empty() && t.domains.empty() && !t.rest.empty();
 }
 
 PlainLoop::PlainLoop(const TopologyTextures& t, const State& start) : reaction_(t.options.reaction) {

@@ -98,3 +98,14 @@ BodySurface surface_of(const phymul::Model& model) {
   surface.edges = surface.faces.empty() ? links_of(model) : edges_of(surface.faces);
   return surface;
 }
+
+phymul::Model triangle_body(phymul::VecList vertices, const std::vector<std::array<Index, 3>>& triangles) {
+  phymul::Model model;
+  model.rest = std::move(vertices);
+  for (const auto& corners : triangles) {
+    phymul::Cell& cell = model.cells.emplace_back();
+    cell.type = CellType::triangle;
+    cell.particles.assign(corners.begin(), corners.end());
+  }
+  return model;
+}

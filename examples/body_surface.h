@@ -26,3 +26,6 @@ struct BodySurface {
 /// The faces that belong to one volume cell only; without volume cells all triangles and quads; without these no faces,
 /// and the links between neighbours as edges.
 BodySurface surface_of(const phymul::Model& model);
+
+/// A body whose only cells are triangles, to be shown in place of another one.
+phymul::Model triangle_body(phymul::VecList vertices, const std::vector<std::array<phymul::Index, 3>>& triangles);

@@ -25,18 +25,6 @@ constexpr double probe_radius = 0.008, probe_length = 0.12, press = 0.015, slide
 const Vec3 tumour(0.035, 0.040, 0.022);
 constexpr double tick = 1e-3;  // s
 
-/// A body whose only cells are the triangles that it shows.
-phymul::Model shown(phymul::VecList vertices, const std::vector<std::array<Index, 3>>& triangles) {
-  phymul::Model model;
-  model.rest = std::move(vertices);
-  for (const auto& corners : triangles) {
-    phymul::Cell& cell = model.cells.emplace_back();
-    cell.type = phymul::CellType::triangle;
-    cell.particles.assign(corners.begin(), corners.end());
-  }
-  return model;
-}
-
 void run(const ExampleOptions& options) {
   phymul::BodyReport report;
   phymul::Model model = phymul::make_body(liver(), {.spacing = options.quick ? 0.016 : 0.011}, &report);
@@ -54,7 +42,7 @@ void run(const ExampleOptions& options) {
   }
   require(!bare.empty() && !front.empty(), "nothing to attach");
   phymul::Surface surface = liver_surface(options.quick ? 0.010 : 0.004);
-  const phymul::Model visible = shown(std::move(surface.vertices), surface.triangles);
+  const phymul::Model visible = triangle_body(std::move(surface.vertices), surface.triangles);
   const phymul::Skin skin(model, visible.rest);
 
   phymul::Simulation sim(model, {.backend = "cpu", .damping = {.rate = 30.0}, .solver = {.threads = 1}});

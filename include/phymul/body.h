@@ -129,7 +129,7 @@ CutSurface cut_plane(const Vec3& point, const Vec3& normal);  ///< throws Error 
 /// times through a cell. A particle within a tenth of its shortest edge of the surface lies on it; a cell is cut when
 /// the edge, led by 0.3 spacings, passes the middle of its section. Groups get the copies of particles that lie on the
 /// surface. Of copies the one with the particle's number is that on its own side of the cut; the others only carry
-/// their cells. The lips have no surface of their own: contacts and tools go through the cut. Set the materials before.
+/// their cells. Under Scene::contacts the faces of the cut touch; tools go through them. Set the materials before.
 /// Throws Error (not_supported) where a cell that fills space is no tetrahedron, or would be cut a fourth time, and for
 /// a distance that is not finite.
 Model cut_body(Model model, const CutSurface& cut, std::vector<Index>* copies = nullptr);

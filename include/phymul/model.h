@@ -108,6 +108,10 @@ struct Material {
   double relaxation_strength = 0.0;
   double relaxation_time = 0.0;  ///< s; > 0 where relaxation_strength is
 
+  /// m, >= 0. Above 0 the material is that of walls: of triangles in space (Law::walls), not of cells that fill it. A
+  /// wall dissipates nothing, and has neither fibres nor stiffening.
+  double thickness = 0.0;
+
   /// Beyond small strains. Not in a model that has fibres. set_material() throws Error if the stress of the material,
   /// as if it were incompressible, does not rise with every stretch of 0.6 to 1.7 and amount of shear up to 1.
   Stiffening stiffening{};
@@ -171,6 +175,8 @@ struct Model {
 /// If a few light particles set the stable step alone, they then get mass from particles in the same cells, at most the
 /// share Model::most_mass_moved of all mass; total mass, centre of mass and moments of inertia stay (mass scaling:
 /// docs/theory/physics.md). Model::notes has the share and the estimated gain.
+/// A material with a thickness is given to the triangles of a 3-D model in place of its volume cells (Law::walls): the
+/// volume of a triangle is its area times the thickness.
 /// In a body of points, which has no such cell, all particles get the material. The volume of a particle is that of its
 /// Voronoi cell among its neighbours; Model::notes has the sum. If the body has no neighbours it gets
 /// nearest_neighbours(rest, 20). Throws Error, and changes nothing, if the model is not valid, has a volume cell
@@ -186,6 +192,9 @@ void set_material(Model& model, const Material& material, std::string_view group
 /// the region; a group of particles would have only the cells wholly in the region. Returns the volume of these cells,
 /// m^3 (2-D: m^3 per metre of thickness), for comparison. Throws Error also if there is no such cell.
 double set_material(Model& model, const Material& material, const Contains& contains);
+
+/// True if a cell is a triangle in space whose material has a thickness (Law::walls).
+bool has_walls(const Model& model);
 
 /// Rest volume of a volume cell, m^3, by its trilinear map; negative if its vertices are in the opposite order. 0 for
 /// other cells.

@@ -45,4 +45,5 @@
 #include <phymul/types.h>
 #include <phymul/version.h>
 #include <phymul/virtual_coupling.h>
+#include <phymul/wall.h>
 #include <phymul/writer.h>

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/surface.h>
 
 #include <cstdint>
 #include <span>
@@ -20,6 +21,10 @@ class Skin {
   /// sizes of the cell (height of a tetrahedron, side of a hexahedron). Throws Error for a body without volume cells,
   /// and for the first point that is not finite or is farther outside; its frame or unit is then usually wrong.
   Skin(const Model& model, std::span<const Vec3> points, double most_outside = 1.0);
+
+  /// The vertices of tissue_surface(model): a body that has been cut, to be shown with the surface's triangles. Made
+  /// anew after each cut. Throws Error for a particle that the model does not have.
+  Skin(const Model& model, const TissueSurface& surface);
 
   std::size_t size() const { return first_.size() - 1; }
 

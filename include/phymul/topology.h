@@ -43,7 +43,14 @@ enum class Law {
   ///   E = sum_i V_i psi(F_i) + s/2 sum_i mu_i sum_e w_e |u_q - u_p - H X_pq|^2
   /// set_material computes the masses of such a body. 14 neighbours are enough (2-D: 8). Particles with fewer also use
   /// the neighbours of their neighbours.
-  particle_averaged
+  particle_averaged,
+  /// Thin walls: triangles in space whose material has a thickness t. Of each triangle, of area A, and the vertices
+  /// across its sides, one deformation gradient F (3 x 2), normal n and second derivatives of the positions x_,ab, all
+  /// in an orthonormal frame of the triangle at rest:
+  ///   E = sum A t psi(F) + t^3/24 sum A k : C k,   k_ab = n . x_,ab - N . X_,ab
+  /// psi is StrainEnergy::neo_hookean in plane stress, C its moduli at rest (docs/theory/physics.md). An edge with one
+  /// triangle is free, or clamped (clamp_edges() in wall.h).
+  walls
 };
 
 /// How the reaction to the force F_i = k_i (P*_i - x_i) on a particle is distributed to its neighbours. Of
@@ -95,7 +102,8 @@ enum class SparseParticle {
 };
 
 struct TopologyOptions {
-  /// Empty: particle_averaged for a model with a material, shape_memory for any other. build_topology writes the law
+  /// Empty: walls where materials have a thickness, particle_averaged for any other model with a material, else
+  /// shape_memory. build_topology writes the law
   /// used into TopologyTextures::options.
   std::optional<Law> law = std::nullopt;
   Reaction reaction = Reaction::conservative;

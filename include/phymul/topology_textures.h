@@ -69,6 +69,22 @@ struct VolumeTexel {
   double stiffness = 0.0;            ///< J: kappa times the rest volume this term stands for
 };
 
+/// A triangle of a wall (Law::walls) with its patch. Derivatives are by coordinates along `tangent`. With displacements
+/// u_k of the vertices:
+///   x_,a = tangent_a + sum gradient_ka u_k,   x_,ab = second_ab + sum hessian_kab u_k
+/// ab = 11, 22 and twice 12. Where a vertex is none its weights are 0.
+struct WallTexel {
+  /// The triangle, then the vertices across the sides (1, 2), (2, 0), (0, 1).
+  std::array<Index, 6> vertex{none, none, none, none, none, none};
+  std::array<Vec3, 2> tangent{Vec3::Zero(), Vec3::Zero()};               ///< at rest, orthonormal
+  std::array<Vec3, 3> second{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  ///< at rest, 1/m
+  std::array<std::array<double, 2>, 6> gradient{};                       ///< 1/m
+  std::array<std::array<double, 3>, 6> hessian{};                        ///< 1/m^2
+  std::array<double, 6> bending{};  ///< A t^3/12 C, N m^3: of 11 11, 22 22, 12 12, 22 12, 11 12, 11 22
+  double shear = 0.0;               ///< A t mu, J
+  double compliance = 0.0;          ///< 2 mu / (3 K)
+};
+
 inline constexpr std::size_t most_energy_constants = 6;
 
 /// Constants of TopologyOptions::strain_energy, in the order in which StrainEnergy names them, then zeros.
@@ -152,6 +168,7 @@ struct TopologyTextures {
   // Further terms of the energy, empty unless the options need them.
   std::vector<SpringTexel> springs;
   std::vector<VolumeTexel> volumes;
+  std::vector<WallTexel> walls;  ///< Law::walls
 
   // Law::particle_averaged: domains in order of their particles.
   std::vector<DomainTexel> domains;

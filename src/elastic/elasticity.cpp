@@ -14,6 +14,7 @@
 #include "force_shape.h"
 #include "force_spring.h"
 #include "force_volume.h"
+#include "force_wall.h"
 
 namespace phymul {
 namespace {
@@ -170,6 +171,7 @@ void elastic_forces(const TopologyTextures& topology, std::span<const Vec3> posi
     force[spring.end[1]] -= F;
   }
   volume_forces(topology, position, force);
+  for (const WallTexel& wall : topology.walls) wall_energy(wall, topology.rest, position, force);
   add_domain_forces(topology, displacements_at(topology, position), factors, force, [](Index, const Mat3&) {});
 }
 
@@ -213,6 +215,7 @@ double elastic_energy(const TopologyTextures& topology, std::span<const Vec3> po
         spring_energy<double>(position[spring.end[0]], position[spring.end[1]], spring.rest_length, spring.stiffness);
   }
   energy += volume_energy(topology, position);
+  for (const WallTexel& wall : topology.walls) energy += wall_energy(wall, topology.rest, position, {});
   return energy + domain_energy(topology, displacements_at(topology, position), factors);
 }
 

@@ -29,6 +29,7 @@ double rest_spacing(const TopologyTextures& topology) {
   }
   for (const SpringTexel& spring : topology.springs) add(spring.end[0], spring.end[1]);
   for (const VolumeTexel& term : topology.volumes) add(term.vertex[0], term.vertex[1]);
+  for (const WallTexel& wall : topology.walls) add(wall.vertex[0], wall.vertex[1]);
   if (count > 0) return sum / static_cast<double>(count);
   // Law::particle_averaged.
   for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {

@@ -4,14 +4,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "closest_point.h"
 
 namespace phymul {
 namespace {
-
-constexpr double usual_skin = ContactSurface::usual_skin;
 
 /// Of what is free of a particle along a direction: 1/kg.
 double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along) {
@@ -62,14 +61,51 @@ void BodyContacts::follow(const Scene& scene) {
   }
   surface_ = {};  // of no use half made
   surface_known_ = false;
-  surface_ = make_contact_surface(scene.model());
+  surface_ = make_contact_surface(scene.model(), CutFaces::made);
   candidates_.follow(surface_, options_);
-  rows_.clear();
-  for (const ContactSurface::Particle& particle : surface_.particles) rows_.push_back(particle.row);
+  find_rows();
   place_.resize(surface_.particles.size());
   velocity_.resize(surface_.particles.size());
   surface_known_ = true;
   body_version_ = scene.body_version();
+}
+
+void BodyContacts::find_rows() {
+  rows_.clear();
+  means_.clear();
+  for (const ContactSurface::Particle& particle : surface_.particles) rows_.push_back(particle.row);
+  if (std::ranges::find(rows_, -1) == rows_.end()) return;
+  rows_.clear();
+  std::map<Index, Index> known;
+  for (const ContactSurface::Particle& particle : surface_.particles) {
+    auto& of = means_.emplace_back(particle.at.particles);
+    for (Index& row : of) {
+      if (row < 0) continue;
+      const auto [at, is_new] = known.try_emplace(row, static_cast<Index>(rows_.size()));
+      if (is_new) rows_.push_back(row);
+      row = at->second;
+    }
+  }
+  row_place_.resize(rows_.size());
+  row_velocity_.resize(rows_.size());
+}
+
+/// place_ and velocity_.
+void BodyContacts::fetch(const TouchedParticles& touched) {
+  if (means_.empty()) {
+    touched.fetch(rows_, place_, velocity_);
+    return;
+  }
+  touched.fetch(rows_, row_place_, row_velocity_);
+  for (std::size_t k = 0; k < means_.size(); ++k) {
+    place_[k].setZero();
+    velocity_[k].setZero();
+    for (std::size_t v = 0; v < 4 && means_[k][v] >= 0; ++v) {
+      const double weight = surface_.particles[k].at.weights[v];
+      place_[k] += weight * row_place_[means_[k][v]];
+      velocity_[k] += weight * row_velocity_[means_[k][v]];
+    }
+  }
 }
 
 /// Two places come nearer by no more than both go. A velocity differs from the mean by no more than twice the largest.
@@ -81,7 +117,7 @@ bool BodyContacts::none_near(double going, double gone) const {
 void BodyContacts::find(TouchedParticles& touched) {
   const double dt = touched.dt();
   gone_ = touched.step().gone();
-  touched.fetch(rows_, place_, velocity_);
+  fetch(touched);
   Vec3 mean = Vec3::Zero();
   for (const Vec3& velocity : velocity_) mean += velocity;
   mean /= static_cast<double>(place_.size());
@@ -90,7 +126,8 @@ void BodyContacts::find(TouchedParticles& touched) {
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
   // What got into a body is found as far as an edge below its surface.
-  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * usual_skin * surface_.longest_edge;
+  const double skins =
+      options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * surface_.longest_edge;
   const double search_distance = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
   contacts_.clear();
   candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
@@ -100,19 +137,35 @@ void BodyContacts::find(TouchedParticles& touched) {
   std::ranges::sort(contacts_, {}, [&](const Contact& contact) {
     return std::pair(contact.particle, surface_.triangles[contact.triangle].body);
   });
-  for (Contact& contact : contacts_) {
-    const auto& corner = surface_.triangles[contact.triangle].corner;
-    contact.slot = touched.slot(surface_.particles[contact.particle].row);
-    for (int c = 0; c < 3; ++c) contact.corner[c] = touched.slot(surface_.particles[corner[c]].row);
-    contact.mobility = inverse_mass(touched[contact.slot], contact.normal);
-    double unbound = touched[contact.slot].inverse_mass;
-    for (int c = 0; c < 3; ++c) {
-      const double square = contact.share[c] * contact.share[c];
-      contact.mobility += square * inverse_mass(touched[contact.corner[c]], contact.normal);
-      unbound += square * touched[contact.corner[c]].inverse_mass;
+  shares_.clear();
+  for (Contact& contact : contacts_) share_out(contact, touched);
+}
+
+void BodyContacts::share_out(Contact& contact, TouchedParticles& touched) {
+  contact.first = shares_.size();
+  const auto add = [&](std::size_t k, double factor) {
+    const ContactSurface::Particle& own = surface_.particles[k];
+    for (std::size_t v = 0; v < 4 && own.at.particles[v] >= 0; ++v) {
+      const std::size_t slot = touched.slot(own.at.particles[v]);
+      const auto known = std::find_if(shares_.begin() + static_cast<std::ptrdiff_t>(contact.first), shares_.end(),
+                                      [&](const Share& share) { return share.slot == slot; });
+      if (known == shares_.end()) {
+        shares_.push_back({slot, factor * own.shares[v]});
+      } else {
+        known->weight += factor * own.shares[v];
+      }
     }
-    if (contact.mobility < least_mobility * unbound) contact.mobility = 0.0;
+  };
+  add(contact.particle, 1.0);
+  const auto& corner = surface_.triangles[contact.triangle].corner;
+  for (int c = 0; c < 3; ++c) add(static_cast<std::size_t>(corner[c]), -contact.share[c]);
+  contact.end = shares_.size();
+  double unbound = 0.0;
+  for (const auto& [slot, weight] : shares(contact)) {
+    contact.mobility += weight * weight * inverse_mass(touched[slot], contact.normal);
+    unbound += weight * weight * touched[slot].inverse_mass;
   }
+  if (contact.mobility < least_mobility * unbound) contact.mobility = 0.0;
 }
 
 /// The triangle of a body that ranks first: by distance, and on an edge that two share, by how much it faces the
@@ -167,8 +220,8 @@ void BodyContacts::keep(const Nearest& found, double margin) {
   const ContactSurface::Particle& own = surface_.particles[found.particle];
   const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
   if (found.inside && is_deep(found.distance, triangle, own)) return;
-  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : usual_skin * (triangle.edge + own.edge);
-  const double gap = (found.inside ? -found.distance : found.distance) - skins;
+  const double gap = (found.inside ? -found.distance : found.distance) -
+                     surface_.skins(own, found.particle, triangle, options_.margin);
   if (gap > margin) return;
   Contact contact;
   contact.particle = found.particle;
@@ -181,21 +234,18 @@ void BodyContacts::keep(const Nearest& found, double margin) {
 }
 
 void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
-  TouchedParticles::Touched& particle = touched[contact.slot];
-  const auto corner = [&](int c) -> TouchedParticles::Touched& { return touched[contact.corner[c]]; };
   const auto mobility = [&](const Vec3& along) {
-    double sum = inverse_mass(particle, along);
-    for (int c = 0; c < 3; ++c) sum += contact.share[c] * contact.share[c] * inverse_mass(corner(c), along);
+    double sum = 0.0;
+    for (const auto& [slot, weight] : shares(contact)) sum += weight * weight * inverse_mass(touched[slot], along);
     return sum;
   };
   const auto relative = [&] {
-    Vec3 v = particle.velocity;
-    for (int c = 0; c < 3; ++c) v -= contact.share[c] * corner(c).velocity;
+    Vec3 v = Vec3::Zero();
+    for (const auto& [slot, weight] : shares(contact)) v += weight * touched[slot].velocity;
     return v;
   };
   const auto give = [&](const Vec3& impulse) {
-    push(particle, impulse);
-    for (int c = 0; c < 3; ++c) push(corner(c), -contact.share[c] * impulse);
+    for (const auto& [slot, weight] : shares(contact)) push(touched[slot], weight * impulse);
   };
 
   if (contact.mobility == 0.0) return;
@@ -218,16 +268,13 @@ void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
   contact.rubbed = rubbed;
 }
 
-void BodyContacts::part(const Contact& contact, TouchedParticles& touched) {
+void BodyContacts::part(const Contact& contact, TouchedParticles& touched) const {
   if (contact.gap >= 0.0 || contact.mobility == 0.0) return;
-  TouchedParticles::Touched& particle = touched[contact.slot];
   const double way =
       std::min(-ContactSurface::parted_share * contact.gap, ContactSurface::largest_parting * contact.edge) /
       contact.mobility;
-  shift(particle, way * particle.inverse_mass * contact.normal);
-  for (int c = 0; c < 3; ++c) {
-    TouchedParticles::Touched& corner = touched[contact.corner[c]];
-    shift(corner, -way * contact.share[c] * corner.inverse_mass * contact.normal);
+  for (const auto& [slot, weight] : shares(contact)) {
+    shift(touched[slot], way * weight * touched[slot].inverse_mass * contact.normal);
   }
 }
 

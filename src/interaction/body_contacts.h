@@ -14,6 +14,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 #include "contact_candidates.h"
 #include "contact_surface.h"
@@ -38,15 +39,20 @@ class BodyContacts {
  private:
   struct Contact {
     std::size_t particle = 0, triangle = 0;  // of the surface
-    std::size_t slot = 0;                    // of the touched particles
-    std::array<std::size_t, 3> corner{};     // likewise
     Vec3 share{0, 0, 0};                     // of the corners in the nearest point, sum 1
+    std::size_t first = 0, end = 0;          // of its shares_
     Vec3 normal{0, 0, 0};                    // away from the triangle
     double gap = 0.0;                        // m, at the step's start; negative: overlap
     double edge = 0.0;                       // m, of the triangle, about
     double mobility = 0.0;                   // 1/kg, along the normal
     double pressed = 0.0;                    // N s, so far
     Vec3 rubbed{0, 0, 0};                    // N s, so far, across the normal
+  };
+  /// What a contact's relative velocity has of a touched particle's: its weight in the point, or less its weight in the
+  /// nearest point of the triangle.
+  struct Share {
+    std::size_t slot = 0;
+    double weight = 0.0;
   };
   struct Nearest {
     std::size_t particle = 0, triangle = 0;
@@ -55,22 +61,31 @@ class BodyContacts {
     bool inside = false;
   };
 
+  void find_rows();
+  void fetch(const TouchedParticles& touched);
   void find(TouchedParticles& touched);
+  void share_out(Contact& contact, TouchedParticles& touched);
+  std::span<const Share> shares(const Contact& contact) const {
+    return std::span(shares_).subspan(contact.first, contact.end - contact.first);
+  }
   std::optional<Nearest> nearest(const ContactCandidates::List& list, double search_distance) const;
   std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double search_distance) const;
   void keep(const Nearest& found, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;
-  static void part(const Contact& contact, TouchedParticles& touched);
+  void part(const Contact& contact, TouchedParticles& touched) const;
 
   ContactOptions options_;
   ContactSurface surface_;
   bool surface_known_ = false;      // and candidates_ of it; it is the model's, whatever else of a scene changes
   std::uint64_t body_version_ = 0;  // Scene::body_version() that it is of
   ContactCandidates candidates_;
-  double gone_ = NAN;         // m, PredictedStep::gone() at the last find()
-  std::vector<Index> rows_;   // [particles of the surface] of the model
-  VecList place_, velocity_;  // [particles of the surface] m, m/s
+  double gone_ = NAN;        // m, PredictedStep::gone() at the last find()
+  std::vector<Index> rows_;  // of the model: the surface's particles; where a cut is, what its points are means of
+  std::vector<std::array<Index, 4>> means_;  // [particles of the surface] rows of rows_, then -1; empty without cuts
+  VecList row_place_, row_velocity_;         // [rows_] m, m/s, of means
+  VecList place_, velocity_;                 // [particles of the surface] m, m/s
   std::vector<Contact> contacts_;
+  std::vector<Share> shares_;
 };
 
 }  // namespace phymul

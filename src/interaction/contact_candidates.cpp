@@ -33,6 +33,9 @@ constexpr double most_coarse = 2.0;
 /// Items of its own skin that are remembered for a particle: some 50 in a lattice.
 constexpr std::size_t most_skin = 96;
 
+/// They pay after some searches, which a surface that a blade changes does not live to see.
+constexpr std::size_t searches_without_skins = 3;
+
 /// Further out nothing can be told apart: squares of lengths are no numbers any more.
 constexpr double furthest_place = 1e150;  // m
 
@@ -115,7 +118,8 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
   near_.reserve(triangles_.items.size());
   then_.reserve(surface.particles.size());
   kept_.reserve(surface.particles.size());
-  find_skins();
+  skin_.clear();
+  skin_first_.assign(surface.particles.size() + 1, 0);
 }
 
 void ContactCandidates::change(const ContactOptions& options) {
@@ -162,7 +166,7 @@ bool ContactCandidates::hold(std::span<const Vec3> place, double margin) {
 
 void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
   complete_ = false;
-  ++searches_;
+  if (++searches_ == searches_without_skins) find_skins();
   margin_ = margin;
   nearer_ = 0.0;
   slack_ = std::clamp(wanted_steps * margin, least_slack * usual_edge_, most_slack * usual_edge_);

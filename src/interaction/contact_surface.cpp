@@ -5,9 +5,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <span>
+#include <utility>
 
+#include "closest_point.h"
+#include "model/cell_geometry.h"
 #include "model/surface_facets.h"
+#include "model/tissue_surface.h"
 
 namespace phymul {
 namespace {
@@ -17,10 +23,7 @@ class SurfaceBuilder {
  public:
   SurfaceBuilder(const Model& model, ContactSurface& surface) : model_(model), surface_(surface) {}
 
-  void add(const Model& part, Index body, const std::vector<Index>& particles) {
-    const bool solid =
-        std::any_of(part.cells.begin(), part.cells.end(), [](const Cell& cell) { return is_volume(cell.type); });
-    const std::vector<Facet> facets = surface_facets(part, std::vector<char>(part.rest.size(), 1));
+  void add(std::span<const Facet> facets, Index body, bool solid, const std::vector<Index>& particles) {
     for (const Facet& facet : facets) add(facet, body, solid);
     if (facets.empty()) {
       for (const Index i : particles) {
@@ -36,11 +39,88 @@ class SurfaceBuilder {
     edges_.clear();
   }
 
+  /// Of a body with cuts its part of the tissue's surface. Edges are those of cells, not of the pieces that a cut makes
+  /// of their faces.
+  void add_tissue(const TissueSurface& tissue, const VecList& place, Index body, const std::vector<Index>& body_of) {
+    const auto first = static_cast<std::ptrdiff_t>(surface_.particles.size());
+    surface_.has_cuts = true;
+    std::vector<Index> slot(place.size(), -1);
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      const TissueVertex& at = tissue.vertices[k];
+      if (body_of[at.particles[0]] != body) continue;
+      slot[k] = static_cast<Index>(surface_.particles.size());
+      surface_.particles.push_back(
+          {.row = at.particles[1] < 0 ? at.particles[0] : -1, .body = body, .at = at, .shares = shares(at)});
+      surface_.rest.push_back(place[k]);
+    }
+    std::vector<int> edges(surface_.particles.size(), 0);
+    for (std::size_t t = 0; t < tissue.triangles.size(); ++t) {
+      const auto& corner = tissue.triangles[t];
+      if (slot[corner[0]] < 0) continue;
+      const Vec3 area = (place[corner[1]] - place[corner[0]]).cross(place[corner[2]] - place[corner[0]]);
+      const double edge = cell_edge(tissue, corner);
+      if (!(area.norm() > sliver * edge * edge)) continue;
+      const bool of_cut = tissue.of_cut[t] != 0;
+      for (const Index c : corner) {
+        ContactSurface::Particle& own = surface_.particles[slot[c]];
+        own.edge += edge;
+        ++edges[slot[c]];
+        if (!of_cut) continue;
+        own.of_cut = true;
+        own.normal += area;
+      }
+      surface_.longest_edge = std::max(surface_.longest_edge, edge);
+      surface_.triangles.push_back({.corner = {slot[corner[0]], slot[corner[1]], slot[corner[2]]},
+                                    .body = body,
+                                    .edge = edge,
+                                    .has_inside = true,
+                                    .of_cut = of_cut});
+    }
+    for (std::size_t k = static_cast<std::size_t>(first); k < edges.size(); ++k) {
+      surface_.particles[k].edge /= std::max(edges[k], 1);
+    }
+  }
+
  private:
+  /// Of the square of its edge: a triangle of less area is left out.
+  static constexpr double sliver = 1e-9;
+
+  std::array<double, 4> shares(const TissueVertex& at) const {
+    constexpr double light = 0.3;  // of the heaviest
+    std::array<double, 4> of = at.weights;
+    if (model_.mass.empty()) return of;
+    double heaviest = 0.0, sum = 0.0;
+    for (std::size_t v = 0; v < 4 && at.particles[v] >= 0; ++v) {
+      heaviest = std::max(heaviest, model_.mass[at.particles[v]]);
+    }
+    for (std::size_t v = 0; v < 4 && at.particles[v] >= 0; ++v) {
+      of[v] *= std::min(1.0, model_.mass[at.particles[v]] / (light * heaviest));
+      sum += of[v];
+    }
+    for (double& share : of) share /= sum;
+    return of;
+  }
+
+  /// m: the longest between two of the particles that its corners are means of.
+  double cell_edge(const TissueSurface& tissue, const std::array<Index, 3>& corner) const {
+    double longest = 0.0;
+    const auto each = [&](auto visit) {
+      for (const Index c : corner) {
+        for (const Index i : tissue.vertices[c].particles) {
+          if (i >= 0) visit(i);
+        }
+      }
+    };
+    each([&](Index i) {
+      each([&](Index j) { longest = std::max(longest, (model_.rest[i] - model_.rest[j]).squaredNorm()); });
+    });
+    return std::sqrt(longest);
+  }
+
   Index slot(Index row, Index body) {
     const auto [known, fresh] = slot_.try_emplace(row, static_cast<Index>(surface_.particles.size()));
     if (fresh) {
-      surface_.particles.push_back({row, body, 0.0});
+      surface_.particles.push_back({.row = row, .body = body, .at = {{row, -1, -1, -1}, {1.0}}});
       surface_.rest.push_back(model_.rest[row]);
     }
     return known->second;
@@ -69,8 +149,10 @@ class SurfaceBuilder {
     for (std::size_t k = 2; k < ring.size(); ++k) {
       // Of cells with a corner twice: no area, and a contact would push one particle as two.
       if (ring[k - 1] == ring[k] || ring[k - 1] == ring[0] || ring[k] == ring[0]) continue;
-      surface_.triangles.push_back(
-          {{slot(ring[0], body), slot(ring[k - 1], body), slot(ring[k], body)}, body, longest, solid});
+      surface_.triangles.push_back({.corner = {slot(ring[0], body), slot(ring[k - 1], body), slot(ring[k], body)},
+                                    .body = body,
+                                    .edge = longest,
+                                    .has_inside = solid});
     }
   }
 
@@ -82,7 +164,7 @@ class SurfaceBuilder {
 
 }  // namespace
 
-ContactSurface make_contact_surface(const Model& model) {
+ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces) {
   ContactSurface surface;
   SurfaceBuilder builder(model, surface);
   const std::vector<ConnectedBody> bodies = connected_bodies(model);
@@ -90,24 +172,76 @@ ContactSurface make_contact_surface(const Model& model) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     for (const Index i : bodies[b].particles) body_of[i] = static_cast<Index>(b);
   }
-  std::vector<Model> parts(bodies.size());
-  for (Model& part : parts) {
-    part.dimension = model.dimension;
-    part.rest = model.rest;
-  }
+  struct Kind {
+    bool of_cells = false, solid = false, cut = false;
+  };
+  std::vector<Kind> kind(bodies.size());
   for (const Cell& cell : model.cells) {
     const Index body = cell.particles.empty() ? -1 : body_of[cell.particles.front()];  // none where all is removed
-    if (cell_size(cell.type) > 0 && cell.share > 0.0 && body >= 0) parts[body].cells.push_back(cell);
+    if (cell_size(cell.type) == 0 || !(cell.share > 0.0) || body < 0) continue;
+    kind[body].of_cells |= is_solid(model.dimension, cell);
+    kind[body].solid |= is_volume(cell.type);
+    kind[body].cut |= cut_faces == CutFaces::made && !cell.cuts.empty();
   }
+  std::vector<std::vector<Facet>> facets(bodies.size());
+  const auto add_facets = [&](bool of_cells, auto find) {
+    std::vector<char> chosen(model.rest.size(), 0);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const Index body = body_of[i];
+      chosen[i] = body >= 0 && !kind[body].cut && kind[body].of_cells == of_cells;
+    }
+    for (Facet& facet : find(model, chosen)) facets[body_of[facet.particles[0]]].push_back(std::move(facet));
+  };
+  add_facets(true, facets_of_cells);
+  add_facets(false, explicit_facets);
+  TissueSurface tissue;
+  if (std::ranges::any_of(kind, &Kind::cut)) tissue = tissue_surface_of(model);
+  const VecList place = tissue.at(model.rest);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    builder.add(parts[b], static_cast<Index>(b), bodies[b].particles);
-    parts[b] = {};
+    const auto body = static_cast<Index>(b);
+    if (kind[b].cut) {
+      builder.add_tissue(tissue, place, body, body_of);
+    } else {
+      builder.add(facets[b], body, kind[b].solid, bodies[b].particles);
+    }
   }
   return surface;
 }
 
+/// m: how far above a triangle a particle is at rest; 0 in or behind it.
+double ContactSurface::apart_at_rest(std::size_t particle_row, const Triangle& triangle) const {
+  const Vec3 &a = rest[triangle.corner[0]], &b = rest[triangle.corner[1]], &c = rest[triangle.corner[2]];
+  const Vec3 share = closest_point(rest[particle_row], a, b, c);
+  const Vec3 way = rest[particle_row] - (share[0] * a + share[1] * b + share[2] * c);
+  return triangle.has_inside && way.dot((b - a).cross(c - a)) < 0.0 ? 0.0 : way.norm();
+}
+
+double ContactSurface::skins(const Particle& particle, std::size_t particle_row, const Triangle& triangle,
+                             double margin) const {
+  const double usual = margin > 0.0 ? 2.0 * margin : usual_skin * (triangle.edge + particle.edge);
+  if (!has_cuts) return usual;
+  if (particle.of_cut && triangle.of_cut) return 0.0;
+  return std::min(usual, apart_at_rest(particle_row, triangle));
+}
+
+/// A lip's point lies in the plane of the other lip's triangle at rest, or a little beside it where the cut is bent;
+/// the other side of a strip between two cuts is behind it by the strip's thickness.
+bool ContactSurface::are_lips(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
+  constexpr double facing = -0.5;  // cosine
+  constexpr double behind = 0.05;  // of an edge
+  if (!particle.of_cut || !triangle.of_cut) return false;
+  const Vec3 &a = rest[triangle.corner[0]], &b = rest[triangle.corner[1]], &c = rest[triangle.corner[2]];
+  const Vec3 normal = (b - a).cross(c - a).normalized();
+  if (!(particle.normal.dot(normal) < facing * particle.normal.norm())) return false;
+  return normal.dot(rest[particle_row] - a) >= -behind * triangle.edge;
+}
+
 bool ContactSurface::is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
-  if (particle.body != triangle.body) return false;
+  // The rim of a cut lies on the outer triangles beyond it, and would be held there by them.
+  constexpr double on_it = 1e-6;  // of an edge
+  if (particle.of_cut && !triangle.of_cut && apart_at_rest(particle_row, triangle) <= on_it * triangle.edge)
+    return true;
+  if (particle.body != triangle.body || are_lips(particle, particle_row, triangle)) return false;
   const double near = skin_factor * std::max(particle.edge, triangle.edge);
   return std::any_of(triangle.corner.begin(), triangle.corner.end(),
                      [&](Index corner) { return (rest[corner] - rest[particle_row]).squaredNorm() <= near * near; });

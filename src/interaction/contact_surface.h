@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// What of a model can touch: the particles and triangles of its bodies' surfaces.
+// What of a model can touch: the points and triangles of its bodies' surfaces. Points are particles, or weighted means
+// of particles where a cut crosses a cell.
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/surface.h>
 
 #include <array>
 #include <vector>
@@ -12,19 +14,27 @@ namespace phymul {
 
 struct ContactSurface {
   struct Particle {
-    Index row = -1, body = -1;
-    double edge = 0.0;  ///< m, mean length of the surface's edges around it
+    Index row = -1, body = -1;  ///< -1: not a particle, but a point of a cut cell
+    double edge = 0.0;          ///< m, mean length of the surface's edges around it
+    TissueVertex at{};          ///< rows of the model, and their weights
+    /// Of those, in an impulse and in the velocity that it acts against: their weights, but less for copies at a cut
+    /// that are far lighter than the others, which would be flung where the point hardly moves.
+    std::array<double, 4> shares{1.0};
+    bool of_cut = false;   ///< on a face of a cut
+    Vec3 normal{0, 0, 0};  ///< at rest, of the faces of cuts that it is on, their mean; not of unit length
   };
   struct Triangle {
     std::array<Index, 3> corner{};  ///< rows of `particles`
     Index body = -1;
     double edge = 0.0;        ///< m, the longest
     bool has_inside = false;  ///< of a body of volume cells; counter-clockwise seen from outside then
+    bool of_cut = false;      ///< on a face of a cut
   };
   std::vector<Particle> particles;
   std::vector<Triangle> triangles;
   VecList rest;  ///< [particles] m
   double longest_edge = 0.0;
+  bool has_cuts = false;
 
   // Constants of contact, of all backends.
   /// Edges: what is that near at rest does not touch, in one body. A little more than the two of a lattice, so that
@@ -41,11 +51,27 @@ struct ContactSurface {
   /// that.
   static constexpr double parted_share = 0.05, largest_parting = 0.002;
 
-  /// Whether a particle is too near a triangle at rest to touch it: neighbours in one body do not.
+  /// m: how far from what it touches a surface stays, both sides together; nothing between faces of cuts, which lie on
+  /// each other at rest, and no farther than at rest what is beside them.
+  double skins(const Particle& particle, std::size_t particle_row, const Triangle& triangle, double margin) const;
+
+  /// Whether they are the two faces of a cut, or of a notch: they face each other at rest, and none is behind the
+  /// other.
+  bool are_lips(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const;
+
+  double apart_at_rest(std::size_t particle_row, const Triangle& triangle) const;
+
+  /// Whether a particle is too near a triangle at rest to touch it: neighbours in one body do not, unless a cut parts
+  /// them.
   bool is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const;
 };
 
+enum class CutFaces {
+  left_out,  ///< every point is a particle; the surface is that of whole cells and lacks the faces of cuts
+  made       ///< the surface of the tissue (tissue_surface)
+};
+
 /// Bodies without any facet have particles only, whose edges are the ways to their neighbours.
-ContactSurface make_contact_surface(const Model& model);
+ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces = CutFaces::left_out);
 
 }  // namespace phymul

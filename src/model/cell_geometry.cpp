@@ -2,6 +2,7 @@
 #include "cell_geometry.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace phymul {
 namespace {
@@ -102,6 +103,10 @@ Vec3 area_vector(std::span<const Index> particles, std::span<const Vec3> positio
   const Vec3& a = position[particles[0]];
   if (particles.size() < 4) return 0.5 * (position[particles[1]] - a).cross(position[particles[2]] - a);
   return 0.5 * (position[particles[2]] - a).cross(position[particles[3]] - position[particles[1]]);
+}
+
+bool has_walls(const Model& model) {
+  return std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_wall(model, cell); });
 }
 
 bool is_solid(int dimension, CellType type) {

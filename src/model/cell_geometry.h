@@ -49,6 +49,13 @@ inline bool is_solid(int dimension, const Cell& cell) {
   return cell.share > 0.0 && is_solid(dimension, cell.type);
 }
 
+/// True for the triangles of walls (Law::walls).
+inline bool is_wall(const Model& model, const Cell& cell) {
+  return model.dimension == 3 && cell.type == CellType::triangle && cell.share > 0.0 && cell.material >= 0 &&
+         static_cast<std::size_t>(cell.material) < model.materials.size() &&
+         model.materials[cell.material].thickness > 0.0;
+}
+
 /// Calls visit(particles) for every face of a 3-D cell, or every edge of a 2-D cell. `particles` has four entries, in
 /// order around the face. A triangle fills the last one with -1, an edge the last two.
 template <class Visit>

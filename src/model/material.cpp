@@ -28,8 +28,11 @@ void sum_masses(Model& model) {
   std::vector<double> mass(model.rest.size(), 0.0);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
-    if (cell.material < 0 || !is_solid(model.dimension, cell)) continue;
-    const double measure = signed_measure(model.dimension, cell, model.rest);
+    const bool wall = is_wall(model, cell);
+    if (cell.material < 0 || !(wall || is_solid(model.dimension, cell))) continue;
+    const double measure =
+        wall ? model.materials[cell.material].thickness * area_vector(cell.particles, model.rest).norm()
+             : signed_measure(model.dimension, cell, model.rest);
     if (!(measure > 0.0)) {
       throw Error(ErrorCode::invalid_model,
                   cell_label(model, row) + ": expected a positive volume to give it a mass, got " +
@@ -66,6 +69,11 @@ void sum_masses(Model& model) {
 template <class Predicate>
 void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
   validate(model);
+  if (material.thickness > 0.0 && model.dimension == 2) {
+    throw Error(
+        "set_material: expected a model in 3 dimensions for a material with a thickness (Law::walls), got one in "
+        "2; set the thickness to 0");
+  }
   if (!(model.most_mass_moved >= 0.0 && model.most_mass_moved < 1.0)) {
     throw Error("set_material: expected Model::most_mass_moved of at least 0 and below 1, got " +
                 to_decimal(model.most_mass_moved));
@@ -78,7 +86,9 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
   if (known == materials.end()) materials.push_back(material);
   bool any = false;
   for (std::size_t c = 0; c < model.cells.size(); ++c) {
-    const bool is_chosen = is_solid(model.dimension, model.cells[c].type) && chosen(c);
+    const CellType type = model.cells[c].type;
+    const bool fits = material.thickness > 0.0 ? type == CellType::triangle : is_solid(model.dimension, type);
+    const bool is_chosen = fits && chosen(c);
     rows.push_back(is_chosen ? row : model.cells[c].material);
     any = any || is_chosen;
   }
@@ -124,7 +134,8 @@ void set_material_of_points(Model& model, const Material& material) {
   model = std::move(changed);
 }
 
-std::string solid_cells(const Model& model) {
+std::string cells_for(const Model& model, const Material& material) {
+  if (material.thickness > 0.0) return "triangles";
   return model.dimension == 3 ? "volume cells (tetrahedra, wedges, pyramids or hexahedra)" : "triangles or quads";
 }
 
@@ -174,14 +185,28 @@ void require_in_range(const Material& material) {
     throw Error("material: expected a finite fibre_ratio of 1 (no fibres) or more, got " +
                 to_decimal(material.fibre_ratio));
   }
-  if (material.stiffening == Stiffening{}) return;
+  if (!(material.thickness >= 0.0) || !std::isfinite(material.thickness)) {
+    throw Error("material: expected a finite thickness of 0 m (not a wall) or more, got " +
+                to_decimal(material.thickness));
+  }
+  const bool plain = material.stiffening == Stiffening{};
+  const bool dissipates = material.retardation_time > 0.0 || material.relaxation_strength > 0.0;
+  if (material.thickness > 0.0 && (!plain || dissipates || material.fibre_ratio > 1.0)) {
+    throw Error(
+        "material: expected a wall (thickness above 0) to have neither fibres nor stiffening nor dissipation; "
+        "leave these at their defaults");
+  }
+  if (plain) return;
   if (const std::string fault = fault_of(material.stiffening); !fault.empty()) throw Error("material: " + fault);
 }
 
 void set_material(Model& model, const Material& material) {
   require_in_range(material);
-  if (is_body_of_points(model)) return set_material_of_points(model, material);
-  assign(model, material, "set_material: no cell", [](std::size_t) { return true; });
+  if (material.thickness == 0.0 && is_body_of_points(model)) return set_material_of_points(model, material);
+  assign(model, material,
+         "set_material: expected " + cells_for(model, material) +
+             ", which a material with a thickness is for, but there are none",
+         [](std::size_t) { return true; });
 }
 
 void set_material(Model& model, const Material& material, std::string_view group_name) {
@@ -190,21 +215,23 @@ void set_material(Model& model, const Material& material, std::string_view group
   const std::vector<char> chosen = cells_of_group(model, group_name);
   assign(model, material,
          "set_material: expected group \"" + std::string(group_name) + "\" to hold all particles of some " +
-             solid_cells(model) + ", but it holds none whole",
+             cells_for(model, material) + ", but it holds none whole",
          [&](std::size_t cell) { return chosen[cell] != 0; });
 }
 
 double set_material(Model& model, const Material& material, const Contains& contains) {
   require_in_range(material);
   double volume = 0.0;
-  assign(model, material,
-         "set_material: expected the centres of some " + solid_cells(model) + " in the region, but there are none",
-         [&](std::size_t row) {
-           const Cell& cell = model.cells[row];
-           if (!contains(cell_centre(cell, model.rest))) return false;
-           volume += signed_measure(model.dimension, cell, model.rest);
-           return true;
-         });
+  assign(
+      model, material,
+      "set_material: expected the centres of some " + cells_for(model, material) + " in the region, but there are none",
+      [&](std::size_t row) {
+        const Cell& cell = model.cells[row];
+        if (!contains(cell_centre(cell, model.rest))) return false;
+        volume += material.thickness > 0.0 ? material.thickness * area_vector(cell.particles, model.rest).norm()
+                                           : signed_measure(model.dimension, cell, model.rest);
+        return true;
+      });
   return volume;
 }
 

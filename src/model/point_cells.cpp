@@ -127,7 +127,8 @@ std::vector<PointCell> point_cells(const Model& model, const RaggedList& neighbo
 }
 
 bool is_body_of_points(const Model& model) {
-  return std::ranges::none_of(model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell.type); });
+  return std::ranges::none_of(
+      model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell.type) || is_wall(model, cell); });
 }
 
 }  // namespace phymul

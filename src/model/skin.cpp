@@ -233,6 +233,24 @@ Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside
   }
 }
 
+Skin::Skin(const Model& model, const TissueSurface& surface)
+    : particle_count_(model.rest.size()), rest_hash_(hash_of(model.rest)) {
+  for (std::size_t k = 0; k < surface.vertices.size(); ++k) {
+    const TissueVertex& vertex = surface.vertices[k];
+    for (std::size_t v = 0; v < 4 && vertex.particles[v] >= 0; ++v) {
+      if (vertex.particles[v] >= model.particle_count()) {
+        throw Error(ErrorCode::invalid_argument, "Skin: vertex " + std::to_string(k) + " has particle " +
+                                                     std::to_string(vertex.particles[v]) + " of a body of " +
+                                                     std::to_string(model.rest.size()) +
+                                                     "; expected the tissue_surface of this model");
+      }
+      particle_.push_back(vertex.particles[v]);
+      weight_.push_back(vertex.weights[v]);
+    }
+    first_.push_back(particle_.size());
+  }
+}
+
 bool Skin::is_bound_to(const Model& model) const {
   return rest_hash_ == hash_of(model.rest);
 }

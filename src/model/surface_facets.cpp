@@ -5,23 +5,10 @@
 
 #include "cell_geometry.h"
 #include "cut_cells.h"
+#include "outer_faces.h"
 
 namespace phymul {
 namespace {
-
-struct Candidate {
-  std::array<Index, 4> key;   // sorted particles, -1 in front where there are fewer
-  std::array<Index, 4> ring;  // in order, -1 at the end where there are fewer
-  bool inside_out;            // the cell it belongs to has negative volume
-  bool beyond_cut;            // no tissue of its cell is there
-  const Cell* cell;
-};
-
-Candidate candidate(const Cell& cell, std::array<Index, 4> ring, bool inside_out) {
-  Candidate made{ring, ring, inside_out, false, &cell};
-  std::sort(made.key.begin(), made.key.end());
-  return made;
-}
 
 bool all_chosen(const std::array<Index, 4>& ring, std::span<const char> chosen) {
   return std::all_of(ring.begin(), ring.end(), [&](Index i) { return i < 0 || chosen[i]; });
@@ -41,12 +28,20 @@ Facet made_facet(const Model& model, const std::array<Index, 4>& ring, bool insi
   return facet;
 }
 
+}  // namespace
+
+std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen) {
+  const bool made_of_cells =
+      std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell.type); });
+  return made_of_cells ? facets_of_cells(model, chosen) : explicit_facets(model, chosen);
+}
+
 std::vector<Facet> explicit_facets(const Model& model, std::span<const char> chosen) {
   std::vector<Facet> facets;
   for (const Cell& cell : model.cells) {
     const bool facet_type = model.dimension == 2 ? cell.type == CellType::line
                                                  : cell.type == CellType::triangle || cell.type == CellType::quad;
-    if (!facet_type) continue;
+    if (!facet_type || cell.share == 0.0) continue;
     std::array<Index, 4> ring{-1, -1, -1, -1};
     std::copy(cell.particles.begin(), cell.particles.end(), ring.begin());
     if (all_chosen(ring, chosen)) facets.push_back(made_facet(model, ring, false));
@@ -54,41 +49,23 @@ std::vector<Facet> explicit_facets(const Model& model, std::span<const char> cho
   return facets;
 }
 
-}  // namespace
-
-std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen) {
-  bool made_of_cells = false;
-  std::vector<Candidate> faces;
-  for (const Cell& cell : model.cells) {
-    made_of_cells = made_of_cells || is_solid(model.dimension, cell.type);
-    if (!is_solid(model.dimension, cell)) continue;
-    const bool inside_out = signed_measure(model.dimension, cell, model.rest) < 0.0;
-    // Both cells at an inner face have it chosen, so leaving out the others first does not bare inner faces.
-    std::vector<FaceCut> cuts;
-    each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
-      if (!all_chosen(ring, chosen)) return;
-      faces.push_back(candidate(cell, ring, inside_out));
-      if (cell.cuts.empty()) return;
-      cuts.clear();
-      add_cuts_of_face(cell.particles, cell.cuts, {ring[0], ring[1], ring[2]}, cuts);
-      faces.back().beyond_cut = !has_tissue(cuts);
-    });
-  }
-  if (!made_of_cells) return explicit_facets(model, chosen);
-  std::stable_sort(faces.begin(), faces.end(), [](const Candidate& a, const Candidate& b) { return a.key < b.key; });
+std::vector<Facet> facets_of_cells(const Model& model, std::span<const char> chosen) {
   std::vector<Facet> facets;
-  for (std::size_t from = 0, to = 0; from < faces.size(); from = to) {
-    for (to = from + 1; to < faces.size() && faces[to].key == faces[from].key;) ++to;
-    // Where a cut ends inside the body both parts of a cell have the same face.
-    const auto of_one_cell = [&](const Candidate& face) {
-      return cell_centre(*face.cell, model.rest) == cell_centre(*faces[from].cell, model.rest);
-    };
-    const auto first = faces.begin() + static_cast<std::ptrdiff_t>(from),
-               last = faces.begin() + static_cast<std::ptrdiff_t>(to);
-    if (to > from + 1 && (first->cell->cuts.empty() || !std::all_of(first, last, of_one_cell))) continue;
-    if (std::all_of(first, last, [](const Candidate& face) { return face.beyond_cut; })) continue;
-    facets.push_back(made_facet(model, faces[from].ring, faces[from].inside_out));
-  }
+  std::vector<FaceCut> cuts;
+  const auto is_beyond_cut = [&](const OuterFace& face) {
+    if (face.cell->cuts.empty()) return false;
+    cuts.clear();
+    add_cuts_of_face(face.cell->particles, face.cell->cuts, {face.ring[0], face.ring[1], face.ring[2]}, cuts);
+    return !has_tissue(cuts);
+  };
+  // Both cells at an inner face have it chosen, so leaving out the others first does not bare inner faces.
+  each_outer_face(
+      model, [&](Index i) { return chosen[i] != 0; },
+      [&](std::span<const OuterFace> faces) {
+        if (std::ranges::all_of(faces, is_beyond_cut)) return;
+        const bool inside_out = signed_measure(model.dimension, *faces[0].cell, model.rest) < 0.0;
+        facets.push_back(made_facet(model, faces[0].ring, inside_out));
+      });
   return facets;
 }
 

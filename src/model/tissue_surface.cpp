@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "cell_geometry.h"
+#include "outer_faces.h"
+#include "tissue_surface.h"
 
 namespace phymul {
 namespace {
@@ -66,16 +68,11 @@ class TissueSurfaceBuilder {
   explicit TissueSurfaceBuilder(const Model& model) : model_(model) {}
 
   TissueSurface build() {
-    // By the particles of a face, ascending: the middles of cells at it. Parts of one cell have one.
-    std::map<std::array<Index, 4>, std::vector<Vec3>> cells_at;
-    each_solid_face([&](const Cell& cell, const std::array<Index, 4>& ring) {
-      std::vector<Vec3>& middles = cells_at[sorted(ring)];
-      const Vec3 middle = cell_centre(cell, model_.rest);
-      if (std::ranges::find(middles, middle) == middles.end()) middles.push_back(middle);
-    });
-    each_solid_face([&](const Cell& cell, const std::array<Index, 4>& ring) {
-      if (cells_at.at(sorted(ring)).size() == 1) add_face(cell, ring);
-    });
+    each_outer_face(
+        model_, [](Index) { return true; },
+        [&](std::span<const OuterFace> faces) {
+          for (const OuterFace& face : faces) add_face(*face.cell, face.ring);
+        });
     for (const Cell& cell : model_.cells) {
       if (is_solid(model_.dimension, cell)) add_cuts(cell);
     }
@@ -83,19 +80,6 @@ class TissueSurfaceBuilder {
   }
 
  private:
-  template <class Visit>
-  void each_solid_face(const Visit& visit) const {
-    for (const Cell& cell : model_.cells) {
-      if (!is_solid(model_.dimension, cell)) continue;
-      each_face(3, cell, [&](const std::array<Index, 4>& ring) { visit(cell, ring); });
-    }
-  }
-
-  static std::array<Index, 4> sorted(std::array<Index, 4> ring) {
-    std::ranges::sort(ring);
-    return ring;
-  }
-
   void add_face(const Cell& cell, const std::array<Index, 4>& ring) {
     if (cell.type != CellType::tetrahedron) {
       std::vector<Index> corners;
@@ -177,10 +161,18 @@ class TissueSurfaceBuilder {
 
 }  // namespace
 
+TissueSurface tissue_surface_of(const Model& model) {
+  return TissueSurfaceBuilder(model).build();
+}
+
 TissueSurface tissue_surface(const Model& model) {
   validate(model);
   if (model.dimension == 2) throw Error("tissue_surface: expected a body in three dimensions");
-  return TissueSurfaceBuilder(model).build();
+  return tissue_surface_of(model);
+}
+
+bool has_cuts(const Model& model) {
+  return std::ranges::any_of(model.cells, [](const Cell& cell) { return cell.share > 0.0 && !cell.cuts.empty(); });
 }
 
 VecList TissueSurface::at(std::span<const Vec3> position) const {

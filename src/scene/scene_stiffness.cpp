@@ -19,6 +19,10 @@ void require_factor(const Model& model, double factor) {
   if (model.materials.empty()) {
     throw Error("scale_stiffness: expected a model with a material, got one without; use set_material first");
   }
+  if (has_walls(model)) {
+    throw Error(ErrorCode::not_supported,
+                "scale_stiffness: expected a body without walls (materials with a thickness)");
+  }
   if (factor >= 1.0 / most && factor <= most) return;
   throw Error("scale_stiffness: expected a factor from 1e-6 to 1e6, got " + to_decimal(factor));
 }

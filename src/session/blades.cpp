@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "interaction/tool_frame.h"
+#include "model/cell_geometry.h"
 #include "simulation_parts.h"
 
 namespace phymul {
@@ -17,6 +18,9 @@ namespace {
 /// Of a spacing: a particle that is so near to a blade's plane as to a cut of a cell beside it is as near as to the
 /// cut, so that strokes go on in older ones and a cut keeps its surface while tissue moves.
 constexpr double same_cut = 0.5;
+/// Of a spacing: the same where the cut ends at the particle, which tissue that parts can draw aside by more. A cut
+/// beside it that goes on is another one.
+constexpr double same_front = 1.5;
 /// Spacings from the middle of a section to a corner of its cell, at most.
 constexpr double longest_edge = 2.0;
 /// Of distances of a cell's corners from a cut and from a blade: the correlation above which the two are one cut.
@@ -36,7 +40,7 @@ class EdgeNow {
 
   /// Rows of cells that its plane crosses around it, ascending.
   std::vector<Index> cells() const {
-    const double around = longest_edge * spacing_, off = same_cut * spacing_;
+    const double around = longest_edge * spacing_, off = same_front * spacing_;
     const Vec3 high(0.5 * blade_.width + around, around, behind_ + around);
     const Vec3 low(-high.x(), -high.y(), -around);
     std::vector<Index> found;
@@ -72,7 +76,7 @@ class EdgeNow {
       q += middle[static_cast<Eigen::Index>(v)] * place_[model_.cells[row].particles[v]];
     }
     return std::abs(q.x()) < 0.5 * blade_.width && q.z() > -lead_of_front * spacing_ && q.z() < behind_ &&
-           std::abs(q.y()) < spacing_ && overcomes(q.x()) && !is_cut_here(model_.cells[row]);
+           std::abs(q.y()) < same_front * spacing_ && overcomes(q.x()) && !is_cut_here(model_.cells[row]);
   }
 
  private:
@@ -102,27 +106,42 @@ class EdgeNow {
     });
   }
 
+  /// Whether the cuts of a cell end at a particle: it belongs to both parts of the cell.
+  bool ends_at(Index i, Index row) const {
+    const Vec3 centre = cell_centre(model_.cells[row], model_.rest);
+    return std::ranges::any_of(edit_.cells_of()[i], [&](Index other) {
+      return other != row && !model_.cells[other].cuts.empty() &&
+             cell_centre(model_.cells[other], model_.rest) == centre;
+    });
+  }
+
   double found_distance(Index i) const {
     const double own = place_[i].y();
-    double shortest = HUGE_VAL, nearest = same_cut * spacing_, of_cut = own;
+    double shortest = HUGE_VAL, nearest = 1.0, of_cut = own;
     for (const Index row : edit_.cells_of()[i]) {
       const Cell& cell = model_.cells[row];
+      Eigen::Vector4d y;
+      for (std::size_t v = 0; v < 4; ++v) y[static_cast<Eigen::Index>(v)] = place_[cell.particles[v]].y();
       for (const Index j : cell.particles) {
         if (j != i) shortest = std::min(shortest, (model_.rest[i] - model_.rest[j]).norm());
       }
+      if (cell.cuts.empty()) continue;
+      const bool ends = ends_at(i, row);
       for (const CellCut& cut : cell.cuts) {
-        double same_way = 0.0, value = 0.0;
-        for (std::size_t v = 0; v < 4; ++v) {
-          same_way += cut[v] * place_[cell.particles[v]].y();
-          if (cell.particles[v] == i) value = cut[v];
-        }
-        if (same_way < 0.0) value = -value;
-        if (std::abs(value - own) >= nearest) continue;
-        nearest = std::abs(value - own);
+        const Eigen::Vector4d values(cut.data());
+        const std::ptrdiff_t at = std::ranges::find(cell.particles, i) - cell.particles.begin();
+        const double value = values.dot(y) < 0.0 ? -values[at] : values[at];
+        const double off = std::abs(value - own) / spacing_;
+        // Both without their means: how they are inclined.
+        const Eigen::Vector4d a = values.array() - values.mean(), b = y.array() - y.mean();
+        const bool same = ends && std::abs(a.dot(b)) > parallel * a.norm() * b.norm();
+        const double share = off / (same ? same_front : same_cut);
+        if (share >= nearest) continue;
+        nearest = share;
         of_cut = value;
       }
     }
-    if (nearest < same_cut * spacing_) return of_cut;
+    if (nearest < 1.0) return of_cut;
     return std::abs(own) < on_cut_surface * shortest ? 0.0 : own;
   }
 

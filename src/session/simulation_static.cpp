@@ -50,6 +50,7 @@ void require_supported(const SceneTool& tool, const Solver& solver) {
 
 void require_supported(const TopologyTextures& topology, const Scene& scene, const Solver& solver) {
   if (topology.dimension == 2) refuse("expected a body in three dimensions, got one in two");
+  if (!topology.walls.empty()) refuse("expected a body of cells that fill space, got walls");
   if (!AveragedStiffness::is_all_of(topology)) refuse("expected a body with a material, got stiffnesses in N/m");
   for (Index i = 0; i < topology.particle_count; ++i) {
     if (topology.first_domain[i] != topology.first_domain[i + 1]) continue;

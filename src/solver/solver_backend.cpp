@@ -345,6 +345,10 @@ void SolverBackend::do_restore(const Snapshot& snapshot) {
 }
 
 const char* SolverBackend::beyond_devices() const {
+  if (!topology_->walls.empty()) {
+    return "the body has walls (materials with a thickness), which this backend does not do; use \"cpu\" or "
+           "\"reference\"";
+  }
   if (local_steps_) {
     return "SolverOptions::max_substeps is above 1, and parts of this body would have local steps, which this backend "
            "does not do; use \"cpu\" or \"reference\"";

@@ -39,7 +39,8 @@ void sort_unique(std::vector<T>& list) {
 BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), topology_(topology) {
   if (topology.domains.empty() || is_body_of_points(model)) {
     throw Error(ErrorCode::not_supported,
-                "remove_cells: expected a body of cells with a material (set_material), got one without");
+                std::string("remove_cells: expected a body of cells with a material (set_material), got ") +
+                    (topology.walls.empty() ? "one without" : "walls, which cannot be changed while they run"));
   }
   cells_of_.resize(model.rest.size());
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {

@@ -9,7 +9,7 @@ namespace {
 
 // Files hold fingerprints: the numbers of enumerators never change, whatever their order.
 constexpr std::int32_t number_of(Law law) {
-  return law == Law::springs ? 0 : law == Law::shape_memory ? 1 : 2;
+  return law == Law::springs ? 0 : law == Law::shape_memory ? 1 : law == Law::particle_averaged ? 2 : 3;
 }
 
 constexpr std::int32_t number_of(VolumeLaw law) {
@@ -34,6 +34,10 @@ void add_terms(Fnv& sum, const TopologyTextures& t) {
   for (const SpringTexel& spring : t.springs) sum.add(spring.end, spring.rest_length, spring.stiffness);
   sum.add(std::uint64_t{t.volumes.size()});
   for (const VolumeTexel& volume : t.volumes) sum.add(volume.vertex, volume.inverse_rest_volume, volume.stiffness);
+  for (const WallTexel& wall : t.walls) {
+    sum.add(wall.vertex, wall.shear, wall.compliance, wall.bending);
+    for (std::size_t k = 0; k < 6; ++k) sum.add(wall.gradient[k], wall.hessian[k]);
+  }
 }
 
 void add_averaged(Fnv& sum, const TopologyTextures& t) {

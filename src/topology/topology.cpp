@@ -6,10 +6,12 @@
 #include "base/decimal.h"
 #include "base_selection.h"
 #include "model/body_type.h"
+#include "model/cell_geometry.h"
 #include "stretched_cells.h"
 #include "topology_match.h"
 #include "topology_terms.h"
 #include "transpose.h"
+#include "wall_terms.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +83,7 @@ void treat_sparse(const Model& model, std::vector<Index> sparse, TopologyTexture
   const std::vector<char> without_tissue = particles_without_tissue(model);
   std::erase_if(sparse, [&](Index i) { return without_tissue[i] != 0; });
   if (sparse.empty()) return;
-  const bool averaged = topology.options.law == Law::particle_averaged;
+  const bool averaged = topology.options.law == Law::particle_averaged || topology.options.law == Law::walls;
   switch (topology.options.on_sparse) {
     case SparseParticle::error:
       throw Error(ErrorCode::invalid_model,
@@ -186,7 +188,11 @@ void fill_transposes(TopologyTextures& topology) {
 TopologyTextures start(const Model& model, const TopologyOptions& options) {
   TopologyTextures topology;
   topology.options = options;
-  if (!options.law) topology.options.law = model.materials.empty() ? Law::shape_memory : Law::particle_averaged;
+  if (!options.law) {
+    topology.options.law = model.materials.empty() ? Law::shape_memory
+                           : has_walls(model)      ? Law::walls
+                                                   : Law::particle_averaged;
+  }
   topology.dimension = model.dimension;
   topology.model = model_fingerprint(model);
   topology.particle_count = model.particle_count();
@@ -206,6 +212,7 @@ BaseTable no_bases(const Model& model) {
 void build_averaged(const Model& model, TopologyTextures& topology) {
   const TopologyOptions& options = topology.options;
   require(!model.materials.empty(), "Law::particle_averaged needs a material: call set_material, or use another law");
+  require(!has_walls(model), "materials with a thickness need Law::walls; leave TopologyOptions::law empty");
   require(
       options.reaction == Reaction::conservative,
       "a material needs Reaction::conservative: the other reactions have no stiffness against uniform strain inside "
@@ -215,6 +222,32 @@ void build_averaged(const Model& model, TopologyTextures& topology) {
   add_averaged_terms(model, topology);
   treat_sparse(model, particles_without_domain(topology), topology);
   topology.notes = notes_on_stretched_cells(model);
+}
+
+void build_walls(const Model& model, TopologyTextures& topology) {
+  const TopologyOptions& options = topology.options;
+  require(has_walls(model),
+          "Law::walls needs triangles whose material has a thickness: call make_wall or set_material");
+  require(options.reaction == Reaction::conservative && options.volume_stiffness == 0.0 &&
+              options.strain_energy == StrainEnergy::neo_hookean,
+          "Law::walls takes no other reaction, volume_stiffness or strain_energy than the defaults; leave them");
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    if (!is_solid(model.dimension, model.cells[row]) || model.cells[row].material < 0) continue;
+    throw Error(ErrorCode::not_supported,
+                cell_label(model, row) +
+                    " fills space and has a material, but other cells of the model are walls; walls "
+                    "on volumes in one model are not supported: join two bodies instead");
+  }
+  topology.walls = wall_terms(model);
+  std::vector<char> has_wall(model.rest.size(), 0);
+  for (const WallTexel& wall : topology.walls) {
+    for (int k = 0; k < 3; ++k) has_wall[wall.vertex[k]] = 1;
+  }
+  std::vector<Index> without;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (has_wall[i] == 0) without.push_back(i);
+  }
+  treat_sparse(model, without, topology);
 }
 
 BaseTable build_plain(const Model& model, TopologyTextures& topology) {
@@ -241,6 +274,8 @@ TopologyTextures build_topology(const Model& model, const TopologyOptions& optio
   BaseTable table = no_bases(model);
   if (topology.options.law == Law::particle_averaged) {
     build_averaged(model, topology);
+  } else if (topology.options.law == Law::walls) {
+    build_walls(model, topology);
   } else {
     table = build_plain(model, topology);
   }

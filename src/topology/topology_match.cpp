@@ -16,7 +16,8 @@ namespace {
 std::uint64_t of_cells(const Model& model) {
   Fnv sum;
   for (const Cell& cell : model.cells) {
-    if (!is_solid(model.dimension, cell)) continue;
+    const bool clamped = cell.type == CellType::line && cell.material >= 0;
+    if (!(clamped || is_wall(model, cell) || is_solid(model.dimension, cell))) continue;
     sum.add(cell.type, std::uint64_t{cell.particles.size()}, cell.particles);  // sizes as wide on every system
     if (cell.share != 1.0) sum.add(cell.share);
   }
@@ -26,6 +27,7 @@ std::uint64_t of_cells(const Model& model) {
 void add_elasticity(Fnv& sum, const Material& material) {
   sum.add(material.young, material.poisson, material.retardation_time, material.relaxation_strength,
           material.relaxation_time);
+  if (material.thickness > 0.0) sum.add(material.thickness);
   const Stiffening& of = material.stiffening;
   if (of != Stiffening{}) sum.add(of.exponential, of.exponent, of.second, of.second_fades);
 }
@@ -52,7 +54,7 @@ std::uint64_t of_materials(const Model& model) {
     hashes.push_back(one.value());
   }
   for (const Cell& cell : model.cells) {
-    if (!is_solid(model.dimension, cell)) continue;
+    if (!(is_wall(model, cell) || is_solid(model.dimension, cell))) continue;
     const bool known = cell.material >= 0 && static_cast<std::size_t>(cell.material) < hashes.size();
     sum.add(known ? hashes[cell.material] : std::uint64_t{0});
     if (known && model.materials[cell.material].fibre_ratio > 1.0) sum.add(cell.fibre);

@@ -120,7 +120,7 @@ TEST(GuideTools, Jaws) {
   sim.scene().fix("x0");
   int ticks = 0;
   double grip = 0.0;
-  const auto running = [&] { return ++ticks < 1000; };
+  const auto running = [&] { return ++ticks < 2000; };
   const auto hinge = [] {
     return phymul::ToolPose{.position = {0.07, 0.02, 0.01},
                             .orientation = phymul::Quaternion(0.5, 0.5, 0.5, 0.5)};  // to -x, opens along z

@@ -75,10 +75,10 @@ TEST(NeedlePuncture, IsThatOfFinerMeshes) {
 
 TEST(NeedlePuncture, TurnsNoCellInsideOut) {
   for (const double poisson : {0.3, 0.45, 0.49}) {
-    for (const double spread : {0.0, 0.008}) {  // m
+    for (const double given : {0.0, 0.008}) {  // m
       for (const double spacing : {9e-3, 6e-3, 4e-3}) {
-        SCOPED_TRACE(testing::Message() << poisson << ", " << spread << ", " << spacing);
-        Default needle(spacing, 5e3, {.spread = spread}, poisson, 0.1);
+        SCOPED_TRACE(testing::Message() << poisson << ", " << given << ", " << spacing);
+        Default needle(spacing, 5e3, {.spread = given}, poisson, 0.1);
         EXPECT_TRUE(needle.go(0.04, false));
         EXPECT_TRUE(needle.punctured());
         EXPECT_EQ(first_folded_cell(needle.model, needle.solver->read().position), -1);

@@ -55,6 +55,7 @@ struct Kernels {
 #include "kernels/joint.glsl"
 #include "kernels/spring.glsl"
 #include "kernels/volume.glsl"
+#include "kernels/wall.glsl"
 };
 
 template <class S>

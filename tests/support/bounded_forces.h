@@ -38,6 +38,7 @@ class BoundedForces {
     for (const VolumeTexel& term : t_.volumes) {
       t_.options.volume_law == VolumeLaw::bounded ? add_volume<true>(term) : add_volume<false>(term);
     }
+    for (const WallTexel& wall : t_.walls) add_wall(wall);
     cpu::with_energy<Bounded>(t_.options, [this](auto energy) {
       for (Index d = 0; d < static_cast<Index>(t_.domains.size()); ++d) add_domain<decltype(energy)>(d);
     });
@@ -168,6 +169,46 @@ class BoundedForces {
       cpu::Kernels<Bounded, bounded>::tetrahedron_volume_forces(E[0], E[1], E[2], e[0], e[1], e[2], inverse, stiffness,
                                                                 on[0], on[1], on[2], on[3]);
       for (std::size_t corner = 0; corner < 4; ++corner) sum_[term.vertex[corner]].add(on[corner]);
+    }
+  }
+
+  void add_wall(const WallTexel& wall) {
+    std::array<Bounded3, 6> d, X;
+    const auto gradient = [&](std::size_t k, std::size_t a) { return stored(wall.gradient[k][a]); };
+    const auto hessian = [&](std::size_t k, std::size_t ab) { return stored(wall.hessian[k][ab]); };
+    BoundedSum sum1, sum2;
+    for (std::size_t k = 1; k < 6; ++k) {
+      if (wall.vertex[k] == none) continue;
+      d[k] = difference(wall.vertex[0], wall.vertex[k]);
+      sum1.add(gradient(k, 0) * d[k]);
+      sum2.add(gradient(k, 1) * d[k]);
+    }
+    const Bounded3 T1 = stored3(wall.tangent[0]), T2 = stored3(wall.tangent[1]), H1 = sum1.total(), H2 = sum2.total();
+    const auto now = BoundedKernels::wall_frame(T1, T2, H1, H2);
+    std::array<Bounded, 3> change, moment;
+    for (std::size_t ab = 0; ab < 3; ++ab) {
+      X[ab] = stored3(wall.second[ab]);
+      change[ab] = inner_product(now.turn, X[ab]);
+      for (std::size_t k = 1; k < 6; ++k) {
+        change[ab] = change[ab] + hessian(k, ab) * inner_product(now.normal, d[k]);
+      }
+    }
+    constexpr std::array<std::array<std::size_t, 3>, 3> entry{{{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}};
+    for (std::size_t ab = 0; ab < 3; ++ab) {
+      for (std::size_t c = 0; c < 3; ++c) moment[ab] = moment[ab] + stored(wall.bending[entry[ab][c]]) * change[c];
+    }
+    Bounded3 by_normal = moment[0] * X[0] + moment[1] * X[1] + moment[2] * X[2], P1, P2;
+    std::array<Bounded, 6> share;
+    for (std::size_t k = 1; k < 6; ++k) {
+      share[k] = hessian(k, 0) * moment[0] + hessian(k, 1) * moment[1] + hessian(k, 2) * moment[2];
+      by_normal = by_normal + share[k] * d[k];
+    }
+    BoundedKernels::wall_stress(now, T1, T2, H1, H2, by_normal, stored(wall.shear), stored(wall.compliance), P1, P2);
+    for (std::size_t k = 1; k < 6; ++k) {
+      if (wall.vertex[k] == none) continue;
+      const Bounded3 pull = gradient(k, 0) * P1 + gradient(k, 1) * P2 + share[k] * now.normal;
+      sum_[wall.vertex[k]].add(-pull);
+      sum_[wall.vertex[0]].add(pull);
     }
   }
 

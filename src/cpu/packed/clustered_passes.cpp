@@ -103,6 +103,10 @@ void ClusteredPasses::add_cluster(int c, const char* u, char* force, char* pull,
     kernels_.volumes[body_.plane][body_.bounded](job);
     laps.end(Work::volumes);
   }
+  if (job.walls.count > 0) {
+    kernels_.walls(job);
+    laps.end(Work::walls);
+  }
 }
 
 }  // namespace phymul::cpu

@@ -186,7 +186,7 @@ bool domains_recur(const TopologyTextures& t) {
 double rough_cost(const TopologyTextures& t, int lanes) {
   const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
   return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
-          40.0 * static_cast<double>(t.volumes.size())) /
+          40.0 * static_cast<double>(t.volumes.size()) + 180.0 * static_cast<double>(t.walls.size())) /
          lanes;
 }
 

@@ -40,7 +40,7 @@ struct PackedBody {
   // Arrays of the jobs and of simd::Move.
   Offsets base_first, spring_first, enumerated_first, enumerated_neighbours, enumerated_offsets, own, halo_first, halo,
       give_first;
-  Floats bases, enumerated, springs, volumes, stiffness, inverse_mass, mass, give;
+  Floats bases, enumerated, springs, volumes, walls, stiffness, inverse_mass, mass, give;
 
   PackedAverages averages;  ///< of Law::particle_averaged, whose bodies have no clusters
 
@@ -51,7 +51,7 @@ struct PackedBody {
     return static_cast<std::size_t>(simd::quad_of(static_cast<std::int32_t>(place), lanes));
   }
   /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
-  bool pushes() const { return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty()); }
+  bool pushes() const { return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty() && walls.empty()); }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   /// Takes over what changed of these domains, of Law::particle_averaged, and of the masses of their particles. Whether
   /// all was packed anew, because links went by runs; places stay.

@@ -94,6 +94,8 @@ TopologyTextures renumbered(const TopologyTextures& topology, const std::vector<
       topology.springs, to, [](SpringTexel & s) -> auto& { return s.end; });
   result.volumes = renamed(
       topology.volumes, to, [](VolumeTexel & v) -> auto& { return v.vertex; });
+  result.walls = renamed(
+      topology.walls, to, [](WallTexel & w) -> auto& { return w.vertex; });
   transpose_lists(topology, result);
   return result;
 }

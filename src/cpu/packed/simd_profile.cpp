@@ -5,9 +5,10 @@ namespace phymul::cpu {
 
 WorkLaps::WorkLaps(Profile* profile, const PackedBody& body) : profile_(profile) {
   if (!profile_) return;
-  constexpr std::array<const char*, kinds> names{
-      "loads",   "gathering", "bases", "enumerated bases", "springs", "volumes", "averaged stresses", "averaged forces",
-      "waiting", "move",      "tools", "contacts",         "checks"};
+  constexpr std::array<const char*, kinds> names{"loads",           "gathering", "bases", "enumerated bases",
+                                                 "springs",         "volumes",   "walls", "averaged stresses",
+                                                 "averaged forces", "waiting",   "move",  "tools",
+                                                 "contacts",        "checks"};
   for (std::size_t k = 0; k < names.size(); ++k) rows_[k] = profile_->row(names[k]);
   const auto runs = [this](Work work, bool yes) {
     bool& any = runs_[static_cast<std::size_t>(work)];
@@ -20,6 +21,7 @@ WorkLaps::WorkLaps(Profile* profile, const PackedBody& body) : profile_(profile)
     runs(Work::enumerated_bases, job.enumerated.count > 0);
     runs(Work::springs, job.springs.count > 0);
     runs(Work::volumes, job.volumes.count > 0);
+    runs(Work::walls, job.walls.count > 0);
   }
   for (const Work work : {Work::averaged_stresses, Work::averaged_forces}) runs(work, body.averaged());
   runs(Work::waiting, body.clusters.size() > 1);

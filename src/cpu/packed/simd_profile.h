@@ -17,6 +17,7 @@ enum class Work {
   enumerated_bases,
   springs,
   volumes,
+  walls,
   averaged_stresses,
   averaged_forces,
   waiting,
@@ -40,7 +41,7 @@ class WorkLaps {
   void end_step(bool tools, bool contacts);
 
  private:
-  static constexpr int kinds = 13;
+  static constexpr int kinds = 14;
   int row_of(Work work) const { return rows_[static_cast<std::size_t>(work)]; }
 
   Profile* profile_;

@@ -27,6 +27,8 @@ TermPacker::TermPacker(const TopologyTextures& t, Index size, std::size_t cluste
       starts_(clusters) {
   volumes_ = by_cluster(
       t_.volumes, size_, clusters, [](const VolumeTexel& v) -> auto& { return v.vertex; });
+  walls_ = by_cluster(
+      t_.walls, size_, clusters, [](const WallTexel& w) -> auto& { return w.vertex; });
   slices_bases_ = !triples_.enumerates() && t_.base_count > 0;
   body_.base_first.push_back(0);
   body_.spring_first.push_back(0);
@@ -36,7 +38,7 @@ void TermPacker::pack(int c) {
   Cluster& cluster = body_.clusters[c];
   const Index own = std::min(size_, t_.particle_count - cluster.first);
   slots_.begin(c, cluster, own);
-  starts_[c] = {body_.base_first.size() - 1, body_.spring_first.size() - 1, body_.volumes.size()};
+  starts_[c] = {body_.base_first.size() - 1, body_.spring_first.size() - 1, body_.volumes.size(), body_.walls.size()};
   const int slices = cluster.own / body_.lanes;
   if (slices_bases_) {
     for (int s = 0; s < slices; ++s) pack_base_slice(cluster, s, own);
@@ -48,6 +50,7 @@ void TermPacker::pack(int c) {
     cluster.job.springs.count = slices;
   }
   cluster.job.volumes.count = pack_volumes(c);
+  cluster.job.walls.count = pack_walls(c);
   fill_idle_lanes(c);
   estimate_cost(c);
 }
@@ -128,6 +131,30 @@ int TermPacker::pack_volumes(int c) {
   return spread.rows();
 }
 
+int TermPacker::pack_walls(int c) {
+  const SpreadLanes spread(walls_[c].size(), body_.lanes);
+  LaneRows rows(body_.walls, simd::wall_columns, body_.lanes);
+  rows.add(spread.rows(), 6);
+  for (std::size_t k = 0; k < walls_[c].size(); ++k) {
+    const WallTexel& wall = t_.walls[walls_[c][k]];
+    const auto [row, lane] = spread.place(k);
+    const auto put = [&, row = row, lane = lane](int column, double value) { rows.put(row, column, lane, value); };
+    for (int v = 0; v < 6; ++v) {
+      if (wall.vertex[v] != none) rows.offset(row, v, lane, slots_.offset_of(wall.vertex[v]));
+    }
+    for (int a = 0; a < 2; ++a) rows.put(row, 6 + 3 * a, lane, wall.tangent[a]);
+    for (int ab = 0; ab < 3; ++ab) rows.put(row, 12 + 3 * ab, lane, wall.second[ab]);
+    for (int v = 1; v < 6; ++v) {
+      for (int a = 0; a < 2; ++a) put(21 + 2 * (v - 1) + a, wall.gradient[v][a]);
+      for (int ab = 0; ab < 3; ++ab) put(31 + 3 * (v - 1) + ab, wall.hessian[v][ab]);
+    }
+    for (int m = 0; m < 6; ++m) put(46 + m, wall.bending[m]);
+    put(52, wall.shear);
+    put(53, wall.compliance);
+  }
+  return spread.rows();
+}
+
 /// Lanes without a term point at the slot that stands for nothing, whose number is known only now.
 void TermPacker::fill_idle_lanes(int c) {
   const std::int32_t idle = 16 * (body_.clusters[c].slots() - 1);
@@ -141,6 +168,7 @@ void TermPacker::fill_idle_lanes(int c) {
   fill_idle(body_.springs, from_slice(body_.spring_first, start.spring_slice, simd::spring_columns),
             simd::spring_columns, 1, body_.lanes, idle);
   fill_idle(body_.volumes, start.volume, simd::volume_columns, 4, body_.lanes, idle);
+  fill_idle(body_.walls, start.wall, simd::wall_columns, 6, body_.lanes, idle);
 }
 
 void TermPacker::estimate_cost(int c) {
@@ -151,7 +179,8 @@ void TermPacker::estimate_cost(int c) {
   const double base = body_.use == simd::BaseUse::attractor ? 25.0 : body_.use == simd::BaseUse::averaged ? 80.0 : 50.0;
   cluster.cost = base * rows_since(body_.base_first, starts_[c].base_slice) + triples_.cost(c) +
                  8.0 * rows_since(body_.spring_first, starts_[c].spring_slice) + 55.0 * cluster.job.volumes.count +
-                 20.0 * cluster.own / body_.lanes + 2.0 * static_cast<double>(cluster.halo.size());
+                 200.0 * cluster.job.walls.count + 20.0 * cluster.own / body_.lanes +
+                 2.0 * static_cast<double>(cluster.halo.size());
 }
 
 void TermPacker::point_jobs() {
@@ -164,6 +193,7 @@ void TermPacker::point_jobs() {
     job.springs.first = body_.spring_first.data() + start.spring_slice;
     job.springs.rows = body_.springs.data();
     job.volumes.rows = body_.volumes.data() + start.volume;
+    job.walls.rows = body_.walls.data() + start.wall;
   }
 }
 

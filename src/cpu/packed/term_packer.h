@@ -21,13 +21,14 @@ class TermPacker {
 
  private:
   struct Start {  // where a cluster's rows begin in the arrays of the body
-    std::size_t base_slice, spring_slice, volume;
+    std::size_t base_slice, spring_slice, volume, wall;
   };
 
   void pack_base_slice(const Cluster& cluster, int s, Index own);
   void pack_base(Index t, Index owner, LaneRows& rows, Index row, int lane);
   void pack_spring_slice(const Cluster& cluster, int s, Index own);
   int pack_volumes(int c);
+  int pack_walls(int c);
   void fill_idle_lanes(int c);
   void estimate_cost(int c);
 
@@ -37,7 +38,7 @@ class TermPacker {
   Slots slots_;
   TriplePacker triples_;
   bool slices_bases_ = false;
-  std::vector<std::vector<Index>> volumes_;  // rows by cluster
+  std::vector<std::vector<Index>> volumes_, walls_;  // rows by cluster
   std::vector<Start> starts_;
 };
 

@@ -12,6 +12,8 @@
 //   enumerated, per neighbour i: E, alpha, A = sum over the others l of +- H_il E_l (+ where i < l); then per pair of
 //            them 2 H, H = 2 sum of +- w beta / |w0|;
 //            then per triple w beta / |w0|, 2 / |w0|^2; offsets apart                         7, 1 and 2
+//   wall     vertices (6); tangents (3 each), second derivatives (3 each); per vertex but the first gradient (2), then
+//            hessian (3); bending (6), shear, compliance                                       54
 //   spring   other end; R, 1 / |R|^2 (0 for a spring without length), stiffness                6
 // Bases and springs stand in slices: lane k of slice s belongs to particle s * lanes + k of the cluster.
 #pragma once
@@ -23,6 +25,7 @@ namespace phymul::cpu::simd {
 inline constexpr int base_columns = 14;
 inline constexpr int volume_columns = 15;
 inline constexpr int spring_columns = 6;
+inline constexpr int wall_columns = 54;
 /// Where the vector of slot or particle `place` stands: in its slice lane 4 g + k is number k * lanes / 4 + g, so that
 /// whole packs from memory are what a transposition of 4 x 4 blocks takes and gives. `lanes`: 4, 8 or 16.
 constexpr std::int32_t quad_of(std::int32_t place, int lanes) {
@@ -70,7 +73,7 @@ struct Job {
   bool far = false;                  ///< constants are in no cache
   Slices bases, springs;
   Enumerated enumerated;
-  Rows volumes;
+  Rows volumes, walls;
 };
 
 /// A link of a run: 32 bytes without a gap, by which equal ones are found.
@@ -192,6 +195,7 @@ struct Kernels {
   void (*bases[3][2])(const Job&);    ///< [BaseUse][plane]
   void (*enumerated[2])(const Job&);  ///< [averaged]
   void (*volumes[2][2])(const Job&);  ///< [plane][bounded]
+  void (*walls)(const Job&);
   void (*springs)(const Job&);
   void (*spread_displacements)(const Averaged&, int slice, int end);  ///< to components, for runs
   /// [of runs][StrainEnergy][bounded]

@@ -47,6 +47,10 @@ struct VolumeKernels {
 #include "kernels/volume.glsl"
 };
 
+struct Wall {
+#include "kernels/wall.glsl"
+};
+
 struct GreenStrain {
 #include "kernels/columns.glsl"
 #include "kernels/green_strain.glsl"

@@ -10,6 +10,7 @@
 #include "move.h"
 #include "spring_terms.h"
 #include "volume_terms.h"
+#include "wall_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 
@@ -38,6 +39,7 @@ constexpr simd::Kernels all_kernels(const char* name) {
        {base_slices<attractor, false>, base_slices<attractor, true>}},
       {enumerated_slices<false>, enumerated_slices<true>},
       {{volume_rows<false, false>, volume_rows<false, true>}, {volume_rows<true, false>, volume_rows<true, true>}},
+      wall_rows,
       spring_slices,
       spread_displacements,
       {},

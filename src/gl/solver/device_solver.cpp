@@ -10,6 +10,7 @@
 #include "device/float_range.h"
 #include "gl/fragment/fragment_device.h"
 #include "gl/objects/loop_turns.h"
+#include "model/tissue_surface.h"
 
 namespace phymul::gl {
 namespace {
@@ -46,9 +47,9 @@ DeviceSolver::~DeviceSolver() {
 }
 
 /// Not in order on a device: needles, blades, surfaces under tools, threads. Not by fragments, 83 to 109 draws a step:
-/// contacts. And not tabled there: which volumes an edit of the body has opened.
+/// contacts. And not tabled there: which volumes an edit of the body has opened, and faces of cuts that touch.
 bool DeviceSolver::acts_on_host() const {
-  return (backend_ == GlBackend::fragment && scene().contacts()) || scene().any_volume_open() ||
+  return (scene().contacts() && (backend_ == GlBackend::fragment || has_cuts(model()))) || scene().any_volume_open() ||
          !scene().threads().empty() || std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
            const ToolShape& shape = own.tool.shape;
            return own.tool.contact == ToolContact::surface || std::holds_alternative<Needle>(shape) ||

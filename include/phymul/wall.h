@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+//
+// Thin walls: bodies of triangles in space whose material has a thickness (Law::walls). They need one layer of
+// particles where cells that fill a wall need several.
+#pragma once
+
+#include <phymul/body.h>
+
+#include <limits>
+
+namespace phymul {
+
+struct WallOptions {
+  /// m, > 0: wanted length of the sides of triangles. Infinite: the surface's own triangles.
+  double spacing = std::numeric_limits<double>::infinity();
+  /// Thickness included, > 0.
+  Material material{};
+};
+
+/// A wall with this surface as its middle, open or closed. Triangles longer than the spacing are divided into equal
+/// parts until none is: each side into two at its middle, so that the surface keeps its shape. Edges with one triangle
+/// are free. Throws Error for a surface that is not valid, whose edges join more than two triangles, and for options
+/// out of range.
+Model make_wall(const Surface& surface, const WallOptions& options);
+
+/// Clamps the edges with one triangle whose middle `contains` accepts: the wall keeps the direction there that it has
+/// at rest, also in a plane of symmetry. Where the edge is, its particles must be held by the scene; an edge whose
+/// particles alone are held is a hinge. Adds a cell of type line for each, with the material of its triangle. Returns
+/// how many. Throws Error if there is none.
+int clamp_edges(Model& model, const Contains& contains);
+
+}  // namespace phymul

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <phymul/surface.h>
+
+namespace phymul {
+
+/// tissue_surface() of a valid model in 3-D, or of some of its cells: nothing is checked.
+TissueSurface tissue_surface_of(const Model& model);
+
+/// Whether a cut crosses a cell that is there.
+bool has_cuts(const Model& model);
+
+}  // namespace phymul

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: MIT
+#include "wall_terms.h"
+
+#include <phymul/error.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <map>
+#include <string>
+
+#include "model/cell_geometry.h"
+
+namespace phymul {
+namespace {
+
+using Vec2 = Eigen::Vector2d;
+using Mat2 = Eigen::Matrix2d;
+using Row6 = Eigen::Matrix<double, 1, 6>;
+using GradientWeights = Eigen::Matrix<double, 2, 6>;  // of six vertices: weights of x_,1 and x_,2
+using HessianWeights = Eigen::Matrix<double, 3, 6>;   // of x_,11, x_,22 and twice x_,12
+
+/// Least and most eigenvalue of bending moduli over those of the material: of misshapen patches L is not to be trusted.
+constexpr double least_matched = 0.2, most_matched = 5.0;
+
+struct WallEdge {
+  int triangles = 0;
+  Index across[2] = {none, none};  // vertices of the triangles that the edge does not have
+  Index row[2] = {none, none};     // of their cells
+  bool clamped = false;
+};
+
+using WallEdges = std::map<std::array<Index, 2>, WallEdge>;
+
+std::array<Index, 2> edge_of(Index a, Index b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+WallEdges wall_edges(const Model& model) {
+  WallEdges edges;
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (!is_wall(model, cell)) continue;
+    for (int k = 0; k < 3; ++k) {
+      WallEdge& edge = edges[edge_of(cell.particles[(k + 1) % 3], cell.particles[(k + 2) % 3])];
+      if (edge.triangles == 2) {
+        throw Error(ErrorCode::invalid_model,
+                    cell_label(model, row) + ": expected an edge of a wall to join one or two triangles, but " +
+                        cell_label(model, static_cast<std::size_t>(edge.row[0])) + " and " +
+                        cell_label(model, static_cast<std::size_t>(edge.row[1])) +
+                        " have it too; walls that branch are not supported: cut one of them off");
+      }
+      edge.across[edge.triangles] = cell.particles[k];
+      edge.row[edge.triangles++] = static_cast<Index>(row);
+    }
+  }
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (cell.type != CellType::line || cell.material < 0) continue;
+    const auto found = edges.find(edge_of(cell.particles[0], cell.particles[1]));
+    if (found == edges.end() || found->second.triangles != 1) {
+      throw Error(ErrorCode::invalid_model,
+                  cell_label(model, row) +
+                      ": expected a line with a material to be an edge of a wall with one triangle "
+                      "(clamp_edges); set its material to -1, or remove it");
+    }
+    found->second.clamped = true;
+  }
+  return edges;
+}
+
+/// A triangle, its patch and where these are in the plane.
+struct Patch {
+  std::array<Index, 6> vertex{};
+  std::array<bool, 3> clamped{};
+  Eigen::Matrix<double, 2, 6> p = Eigen::Matrix<double, 2, 6>::Zero();
+  double area = 0.0;  // m^2, of the triangle in space
+
+  bool free(int side) const { return vertex[3 + side] == none; }
+  Vec2 along(int side) const { return p.col((side + 2) % 3) - p.col((side + 1) % 3); }
+  /// Outward, as long as the side.
+  Vec2 across(int side) const { return {along(side).y(), -along(side).x()}; }
+  double plane_area() const { return 0.5 * (along(2).x() * along(1).y() - along(2).y() * along(1).x()) * -1.0; }
+};
+
+Patch patch_of(const Model& model, std::size_t row, const WallEdges& edges) {
+  const Cell& cell = model.cells[row];
+  Patch patch;
+  const auto X = [&](int k) -> const Vec3& { return model.rest[patch.vertex[k]]; };
+  for (int k = 0; k < 3; ++k) patch.vertex[k] = cell.particles[k];
+  patch.area = area_vector(cell.particles, model.rest).norm();
+  const double length = (X(1) - X(0)).norm();
+  if (!(patch.area > 1e-6 * length * length) || !(length > 0.0)) {
+    throw Error(ErrorCode::invalid_model, cell_label(model, row) +
+                                              ": expected a triangle of a wall to have an area; "
+                                              "merge its corners, or remove it");
+  }
+  const Vec3 t = (X(1) - X(0)) / length;
+  patch.p.col(1) = Vec2(length, 0.0);
+  patch.p.col(2) = Vec2(t.dot(X(2) - X(0)), 2.0 * patch.area / length);
+  for (int side = 0; side < 3; ++side) {
+    const int a = (side + 1) % 3, b = (side + 2) % 3;
+    const WallEdge& edge = edges.at(edge_of(patch.vertex[a], patch.vertex[b]));
+    patch.clamped[side] = edge.clamped;
+    const bool first = edge.row[0] == static_cast<Index>(row);
+    patch.vertex[3 + side] = edge.across[first ? 1 : 0];
+    if (patch.free(side)) continue;
+    const Vec3 r = X(3 + side) - X(a), s = (X(b) - X(a)).normalized();
+    const double on = s.dot(r), out = (r - on * s).norm();
+    patch.p.col(3 + side) =
+        patch.p.col(a) + on * patch.along(side).normalized() + out * patch.across(side).normalized();
+  }
+  return patch;
+}
+
+/// Where a derivative across the side is not known: of `unknown` the weights are 0.
+GradientWeights side_gradient(const Patch& patch, int side, bool unknown) {
+  const int a = (side + 1) % 3, b = (side + 2) % 3;
+  GradientWeights g = GradientWeights::Zero();
+  const Vec2 along = patch.along(side);
+  if (patch.free(side)) {
+    if (unknown) {
+      g.col(b) = along / along.squaredNorm();
+      g.col(a) = -g.col(b);
+      return g;
+    }
+    for (int k = 0; k < 3; ++k) g.col(k) = -patch.across(k) / (2.0 * patch.plane_area());
+    return g;
+  }
+  Mat2 diagonals;
+  diagonals << along.transpose(), (patch.p.col(3 + side) - patch.p.col(side)).transpose();
+  const Mat2 inverse = diagonals.inverse();
+  g.col(b) += inverse.col(0);
+  g.col(a) -= inverse.col(0);
+  g.col(3 + side) += inverse.col(1);
+  g.col(side) -= inverse.col(1);
+  return g;
+}
+
+GradientWeights mean_gradient_of(const Patch& patch) {
+  return (side_gradient(patch, 0, false) + side_gradient(patch, 1, false) + side_gradient(patch, 2, false)) / 3.0;
+}
+
+/// `clamped`: with the derivatives across clamped sides, which stay in space what they are at rest.
+HessianWeights hessian_of(const Patch& patch, bool clamped) {
+  HessianWeights H = HessianWeights::Zero();
+  for (int side = 0; side < 3; ++side) {
+    const GradientWeights g = side_gradient(patch, side, !(clamped && patch.clamped[side]));
+    const Vec2 n = patch.across(side) / patch.plane_area();
+    H.row(0) += n.x() * g.row(0);
+    H.row(1) += n.y() * g.row(1);
+    H.row(2) += n.x() * g.row(1) + n.y() * g.row(0);
+  }
+  return H;
+}
+
+/// What the unknown derivative across a free side adds to second derivatives.
+Eigen::Vector3d across_free(const Patch& patch, int side) {
+  const Vec2 n = patch.across(side).normalized();
+  return {n.x() * n.x(), n.y() * n.y(), 2.0 * n.x() * n.y()};
+}
+
+/// The share of second derivatives that is left where no moment acts across free sides.
+Mat3 without_moment(const Patch& patch, const Mat3& D) {
+  Eigen::Matrix<double, 3, Eigen::Dynamic> unknown(3, 0);
+  for (int side = 0; side < 3; ++side) {
+    if (!patch.free(side) || patch.clamped[side]) continue;
+    unknown.conservativeResize(3, unknown.cols() + 1);
+    unknown.rightCols(1) = across_free(patch, side);
+  }
+  if (unknown.cols() == 0) return Mat3::Identity();
+  const Eigen::MatrixXd stiffness = unknown.transpose() * D * unknown;
+  return Mat3::Identity() - unknown * stiffness.ldlt().solve(unknown.transpose() * D);
+}
+
+/// Moduli of bending that give the moment D k where second derivatives are L k, within the bounds above. `H`: without
+/// derivatives across sides that have one triangle; L takes them to be right.
+Mat3 matched_moduli(const Patch& patch, const HessianWeights& H, const Mat3& D) {
+  Eigen::Matrix<double, 6, 3> quadratics;
+  for (int k = 0; k < 6; ++k) {
+    const Vec2 p = patch.p.col(k);
+    quadratics.row(k) << 0.5 * p.x() * p.x(), 0.5 * p.y() * p.y(), 0.5 * p.x() * p.y();
+  }
+  Mat3 L = H * quadratics;
+  for (int side = 0; side < 3; ++side) {
+    if (!patch.free(side)) continue;
+    const Vec2 middle = 0.5 * (patch.p.col((side + 1) % 3) + patch.p.col((side + 2) % 3)), n = patch.across(side);
+    const Vec3 slope(n.x() * middle.x(), n.y() * middle.y(), 0.5 * (n.x() * middle.y() + n.y() * middle.x()));
+    L += across_free(patch, side) * slope.transpose() / patch.plane_area();
+  }
+  if (!(std::abs(L.determinant()) > 1e-3)) return D;
+  const Mat3 once = D * L.inverse(), C = 0.5 * (once + once.transpose());
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Mat3> ratio(C, D);  // V^T D V = 1
+  const Vec3 within = ratio.eigenvalues().cwiseMax(least_matched).cwiseMin(most_matched);
+  const Mat3 DV = D * ratio.eigenvectors();
+  return DV * within.asDiagonal() * DV.transpose();
+}
+
+WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
+  const Material& material = model.materials[model.cells[row].material];
+  Eigen::Matrix<double, 3, 6> X = Eigen::Matrix<double, 3, 6>::Zero();
+  for (int k = 0; k < 6; ++k) {
+    if (patch.vertex[k] != none) X.col(k) = model.rest[patch.vertex[k]] - model.rest[patch.vertex[0]];
+  }
+  // Coordinates in which the tangents at rest are orthonormal: those of the unfolded patch stretched by the root of
+  // their metric.
+  const Mat2 metric = (X * mean_gradient_of(patch).transpose()).transpose() * (X * mean_gradient_of(patch).transpose());
+  patch.p = Eigen::SelfAdjointEigenSolver<Mat2>(metric).operatorSqrt() * patch.p;
+  const GradientWeights g = mean_gradient_of(patch);
+  const double nu = material.poisson, t = material.thickness;
+  Mat3 D;
+  D << 1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu);
+  D *= material.young / (1.0 - nu * nu) * t * t * t / 12.0 * patch.area;
+  const Mat3 C = matched_moduli(patch, hessian_of(patch, false), D), left = without_moment(patch, C);
+  const HessianWeights H = left * hessian_of(patch, false);
+  WallTexel texel;
+  texel.vertex = patch.vertex;
+  const Eigen::Matrix<double, 3, 2> T = X * g.transpose();
+  const Mat3 second = X * (left * hessian_of(patch, true)).transpose();
+  for (int a = 0; a < 2; ++a) texel.tangent[a] = T.col(a);
+  for (int a = 0; a < 3; ++a) texel.second[a] = second.col(a);
+  for (int k = 0; k < 6; ++k) {
+    if (patch.vertex[k] == none) continue;
+    texel.gradient[k] = {g(0, k), g(1, k)};
+    texel.hessian[k] = {H(0, k), H(1, k), H(2, k)};
+  }
+  texel.bending = {C(0, 0), C(1, 1), C(2, 2), C(1, 2), C(0, 2), C(0, 1)};
+  const double shear = material.young / (2.0 * (1.0 + nu)), bulk = material.young / (3.0 * (1.0 - 2.0 * nu));
+  texel.shear = patch.area * t * shear;
+  texel.compliance = 2.0 * shear / (3.0 * bulk);
+  return texel;
+}
+
+}  // namespace
+
+std::vector<WallTexel> wall_terms(const Model& model) {
+  const WallEdges edges = wall_edges(model);
+  std::vector<WallTexel> terms;
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    if (is_wall(model, model.cells[row])) terms.push_back(texel_of(model, row, patch_of(model, row, edges)));
+  }
+  return terms;
+}
+
+}  // namespace phymul

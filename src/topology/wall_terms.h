@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+//
+// The constants of Law::walls. Of each triangle with the vertices across its sides (a patch of up to six, as the basic
+// shell triangle has: Flores and Onate, CMAME 194 (2005) 907), unfolded into its plane:
+//   - the gradient at the middle of a side is the one that both diagonals of its two triangles have: the side, and the
+//     line between the vertices across it. Both triangles take the same, so that a constant moment is in equilibrium;
+//   - the gradient of the triangle is the mean over its sides, second derivatives are the integral of the sides'
+//     gradients times their normals over the area;
+//   - these second derivatives are right for a quadratic position only where the diagonals halve each other: elsewhere
+//     they are L times it. With moduli D the moment is to be D k, so they take the symmetric part of D L^-1.
+// At a free edge the derivative across it is the one for which no moment acts there.
+#pragma once
+
+#include <phymul/topology_textures.h>
+
+#include <vector>
+
+namespace phymul {
+
+/// Throws Error where the wall has a cell of zero area, an edge of more than two triangles, or a clamped edge that is
+/// not one of its own with one triangle.
+std::vector<WallTexel> wall_terms(const Model& model);
+
+}  // namespace phymul

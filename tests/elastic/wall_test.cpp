@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+//
+// Law::walls: what every energy must hold, its tables and its refusals.
+#include <gtest/gtest.h>
+#include <phymul/elasticity.h>
+#include <phymul/error.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "support/bodies.h"
+#include "support/message_of.h"
+#include "support/wall_cases.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr double radius = 0.05;
+
+/// A curved open shell of unlike triangles, with free edges and one clamped.
+Model bowl(bool clamped = true) {
+  Model model = wall_of(grid_surface(6, 5, 0.2,
+                                     [](double u, double v) {
+                                       const double a = 1.4 * (u - 0.5), b = 1.1 * (v - 0.5);
+                                       return Vec3(radius * Vec3(std::sin(a), std::sin(b), std::cos(a) * std::cos(b)));
+                                     }),
+                        10e3, 0.4, 2e-3);
+  if (clamped) clamp_edges(model, [&](const Vec3& X) { return X.x() < -0.55 * radius; });
+  return model;
+}
+
+double size_of(const VecList& force) {
+  double most = 0.0;
+  for (const Vec3& f : force) most = std::max(most, f.norm());
+  return most;
+}
+
+VecList forces_at(const TopologyTextures& tables, const VecList& x) {
+  VecList force(x.size());
+  elastic_forces(tables, x, force);
+  return force;
+}
+
+TEST(Wall, NeitherRestNorRigidMotionHasForces) {
+  for (const Model& model : {bowl(false), wall_of(sphere_surface(radius, 4), 10e3, 0.4, 2e-3)}) {
+    const TopologyTextures tables = build_topology(model);
+    const double scale = size_of(forces_at(tables, random_positions(model, 0.1, 3)));
+    EXPECT_LT(size_of(forces_at(tables, model.rest)), 1e-12 * scale);
+    VecList x = model.rest;
+    for (Vec3& p : x) p = Eigen::AngleAxisd(2.0, Vec3(1, 2, 3).normalized()) * p + Vec3(0.1, 0.2, 0.3);
+    EXPECT_LT(size_of(forces_at(tables, x)), 1e-12 * scale);
+    EXPECT_LT(elastic_energy(tables, x), 1e-12 * scale * radius);
+  }
+}
+
+TEST(Wall, ForcesAreTheSlopeOfTheEnergyAlsoWhereItIsCrushed) {
+  const Model model = bowl();
+  const TopologyTextures tables = build_topology(model);
+  const double spacing = mean_spacing(model);
+  for (const double crushed : {1.0, 0.4, 0.1, 1e-3}) {
+    VecList x = random_positions(model, 0.1, 7);
+    for (Vec3& p : x) p.x() *= crushed, p.y() *= std::sqrt(crushed);
+    const VecList force = forces_at(tables, x);
+    const double h = 1e-6 * spacing * std::min(1.0, 10.0 * crushed);
+    for (const std::size_t i : {std::size_t{0}, std::size_t{9}, std::size_t{17}, x.size() - 1}) {
+      for (int axis = 0; axis < 3; ++axis) {
+        VecList up = x, down = x;
+        up[i][axis] += h;
+        down[i][axis] -= h;
+        const double slope = (elastic_energy(tables, up) - elastic_energy(tables, down)) / (2.0 * h);
+        EXPECT_NEAR(force[i][axis], -slope, 2e-5 * size_of(force))
+            << crushed << ", particle " << i << ", axis " << axis;
+      }
+    }
+  }
+}
+
+TEST(Wall, ConservesBothMomenta) {
+  const Model model = bowl(false);
+  const TopologyTextures tables = build_topology(model);
+  const VecList x = random_positions(model, 0.3, 9), force = forces_at(tables, x);
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) sum += force[i], moment += x[i].cross(force[i]);
+  EXPECT_LT(sum.norm(), 1e-12 * size_of(force));
+  EXPECT_LT(moment.norm(), 1e-12 * size_of(force));
+}
+
+/// E A t e^2 / 2 with nu across, on every mesh.
+TEST(Wall, StretchesWithYoungsModulusAndPoissonsRatio) {
+  constexpr double E = 10e3, nu = 0.4, t = 1e-3, a = 0.1, e = 1e-5;
+  for (const double jitter : {0.0, 0.25}) {
+    const Model model =
+        wall_of(grid_surface(5, 4, jitter, [](double u, double v) { return Vec3(a * u, a * v, 0); }), E, nu, t);
+    const TopologyTextures tables = build_topology(model);
+    VecList x = model.rest;
+    for (Vec3& p : x) p = {p.x() * (1.0 + e), p.y() * (1.0 - nu * e), 0.0};
+    EXPECT_NEAR(elastic_energy(tables, x), 0.5 * E * a * a * t * e * e, 1e-4 * 0.5 * E * a * a * t * e * e);
+    const VecList force = forces_at(tables, x);
+    double pull = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) pull -= force[i].x() * model.rest[i].x() / a;
+    EXPECT_NEAR(pull, E * a * t * e, 1e-4 * E * a * t * e);
+  }
+}
+
+/// A constant moment is in equilibrium.
+TEST(Wall, BendsWithoutForcesInside) {
+  constexpr double E = 10e3, nu = 0.3, t = 1e-3, a = 0.1, k = 1e-3, D = E * t * t * t / 12.0 / (1.0 - nu * nu);
+  const Model model =
+      wall_of(grid_surface(12, 12, 0.0, [](double u, double v) { return Vec3(a * u, a * v, 0); }), E, nu, t);
+  const TopologyTextures tables = build_topology(model);
+  VecList x = model.rest;
+  for (Vec3& p : x) p.z() = 0.5 * k * p.x() * p.x();
+  const VecList force = forces_at(tables, x);
+  double edges = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3& X = model.rest[i];
+    const double edge = std::min({X.x(), X.y(), a - X.x(), a - X.y()});
+    if (edge > 2.5 * a / 12.0) {
+      EXPECT_LT(std::abs(force[i].z()), 1e-5 * D * k);
+    }
+    edges = std::max(edges, std::abs(force[i].z()));
+  }
+  EXPECT_GT(edges, 0.1 * D * k);
+}
+
+TEST(Wall, StepLimitIsThatOfItsVibrations) {
+  for (const Model& model : {bowl(false), wall_of(sphere_surface(radius, 3), 10e3, 0.4, 5e-4)}) {
+    const TopologyTextures tables = build_topology(model);
+    const auto n = static_cast<Eigen::Index>(3 * model.rest.size());
+    Eigen::MatrixXd K(n, n);
+    const double h = 1e-6 * mean_spacing(model);
+    for (Eigen::Index c = 0; c < n; ++c) {
+      VecList up = model.rest, down = model.rest;
+      up[static_cast<std::size_t>(c / 3)][c % 3] += h;
+      down[static_cast<std::size_t>(c / 3)][c % 3] -= h;
+      const VecList plus = forces_at(tables, up), minus = forces_at(tables, down);
+      for (Eigen::Index r = 0; r < n; ++r) {
+        const auto i = static_cast<std::size_t>(r / 3), j = static_cast<std::size_t>(c / 3);
+        K(r, c) = (minus[i][r % 3] - plus[i][r % 3]) / (2.0 * h) / std::sqrt(model.mass[i] * model.mass[j]);
+      }
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (K + K.transpose()), Eigen::EigenvaluesOnly);
+    const double largest = modes.eigenvalues()[n - 1];
+    EXPECT_NEAR(estimate_spectrum(tables, tables.rest).largest, largest, 0.01 * largest);
+    // Nothing but rigid motion is free of force: no stabiliser is needed.
+    EXPECT_LT(std::abs(modes.eigenvalues()[5]), 1e-7 * largest);
+    EXPECT_GT(modes.eigenvalues()[6], 1e-6 * largest);
+  }
+}
+
+TEST(Wall, WeighsItsAreaTimesItsThickness) {
+  const Model model = wall_of(disc_surface(0.1, 8, 0.0), 10e3, 0.4, 2e-3);
+  double mass = 0.0;
+  for (const double m : model.mass) mass += m;
+  const double sides = 48.0, area = 0.5 * sides * 0.01 * std::sin(2.0 * std::numbers::pi / sides);
+  EXPECT_NEAR(mass, 1000.0 * 2e-3 * area, 1e-9);
+}
+
+TEST(Wall, IsDividedUntilNoSideIsTooLong) {
+  const Material material{.young = 1e4, .poisson = 0.4, .density = 1e3, .thickness = 1e-3};
+  const Surface coarse = disc_surface(0.1, 2, 0.0);
+  EXPECT_EQ(make_wall(coarse, {.material = material}).cells.size(), coarse.triangles.size());
+  const Model fine = make_wall(coarse, {.spacing = 0.02, .material = material});
+  EXPECT_EQ(fine.cells.size(), 16 * coarse.triangles.size());
+  EXPECT_TRUE(build_topology(fine).options.law == Law::walls);
+}
+
+TEST(Wall, RefusesWhatItCannotDo) {
+  const Material material{.young = 1e4, .poisson = 0.4, .density = 1e3, .thickness = 1e-3};
+  const Surface disc = disc_surface(0.1, 2, 0.0);
+  EXPECT_EQ(message_of([&] { make_wall(disc, {.material = {.young = 1e4, .poisson = 0.4, .density = 1e3}}); }),
+            "make_wall: expected a material with a thickness above 0 m, got 0");
+  EXPECT_EQ(message_of([&] { make_wall(disc, {.spacing = 0.0, .material = material}); }),
+            "make_wall: expected a spacing above 0 m (infinite: the surface's own triangles), got 0");
+  Surface out_of_range = disc;
+  out_of_range.triangles[1][2] = 99;
+  EXPECT_EQ(message_of([&] { make_wall(out_of_range, {.material = material}); }),
+            "make_wall: triangle 1: expected rows of vertices from 0 to 18, got 99");
+  Surface branched = disc;
+  branched.vertices.emplace_back(0.0, 0.0, 0.1);
+  branched.triangles.push_back({disc.triangles[0][0], disc.triangles[0][1], 19});
+  const Model branches = make_wall(branched, {.material = material});
+  EXPECT_NE(
+      message_of([&] { build_topology(branches); }).find("expected an edge of a wall to join one or two triangles"),
+      std::string::npos);
+  Surface flat = disc;
+  flat.triangles.push_back({0, 1, 1});
+  EXPECT_NE(message_of([&] { make_wall(flat, {.material = material}); }), "");
+  Material fibrous = material;
+  fibrous.fibre_ratio = 2.0;
+  EXPECT_NE(message_of([&] { make_wall(disc, {.material = fibrous}); }).find("neither fibres nor"), std::string::npos);
+  Model wall = make_wall(disc, {.material = material});
+  EXPECT_NE(message_of([&] { build_topology(wall, {.law = Law::particle_averaged}); }).find("need Law::walls"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] { Scene(wall).scale_stiffness(2.0); }).find("without walls"), std::string::npos);
+  EXPECT_NE(message_of([&] { clamp_edges(wall, [](const Vec3&) { return false; }); }).find("there are none"),
+            std::string::npos);
+  const Scene scene(wall);
+  for (const char* backend : {"gl", "gl-compute"}) {
+    const auto names = backend_names();
+    if (std::ranges::find(names, backend) == names.end() || !why_unavailable(backend).empty()) continue;
+    EXPECT_NE(message_of([&] { make_solver(backend, wall, scene); }).find("the body has walls"), std::string::npos);
+  }
+  EXPECT_EQ(make_solver("auto", wall, scene)->name(), "cpu");
+}
+
+/// Tables of another thickness are of another body.
+TEST(Wall, TablesKnowTheirModel) {
+  Model wall = bowl();
+  const auto tables = std::make_shared<const TopologyTextures>(build_topology(wall));
+  Model thicker = wall;
+  thicker.materials[0].thickness *= 2.0;
+  EXPECT_NE(fingerprint(build_topology(thicker)), fingerprint(*tables));
+  const Scene scene(thicker);
+  EXPECT_NE(message_of([&] { make_solver("reference", tables, scene); }).find("another model"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace phymul::test

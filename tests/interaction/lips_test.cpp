@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+//
+// The faces of a cut under Scene::contacts: they carry pressure and friction as the tissue did, and no tension.
+#include <gtest/gtest.h>
+#include <phymul/bodies.h>
+#include <phymul/elasticity.h>
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "interaction/contact_surface.h"
+#include "support/bodies.h"
+#include "support/every_backend.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+enum class Lips { whole, cut, touching };
+
+Model bar() {
+  Model model = make_tetrahedral_block({0.02, 0.02, 0.06}, 5, 5, 15, 0.25, 7);
+  set_material(model, {1e4, 0.3, 1000.0});
+  return model;
+}
+
+/// Across the bar, a little oblique; `to_x`, m: up to there.
+CutSurface across(double to_x, double height = 0.031, const Vec3& normal = {0.1, 0.15, 1.0}) {
+  CutSurface cut = cut_plane({0.01, 0.01, height}, normal);
+  if (to_x < 0.02) cut.front = [to_x](const Vec3& x) { return x.x() - to_x; };
+  return cut;
+}
+
+/// N, on the top that has moved by `by`, m, after the bar has come to rest.
+Vec3 force_on_top(const CutSurface& cut, Lips lips, const Vec3& by, double friction = 0.0) {
+  const Model whole = bar();
+  const Model model = lips == Lips::whole ? whole : cut_body(whole, cut);
+  SimulationOptions options;
+  options.backend = "cpu";
+  options.damping.rate = 60.0;
+  Simulation sim(model, options);
+  sim.scene().fix("z0").add({.type = LoadType::translation,
+                             .particles = model.group("z1"),
+                             .events = {{0.0, 0.0}, {0.2, by.norm()}},
+                             .direction = by});
+  if (lips == Lips::touching) sim.scene().contacts({.friction = friction});
+  const StepReport report = sim.advance(0.6);
+  EXPECT_TRUE(report.ok()) << report.message();
+  VecList force(model.rest.size());
+  elastic_forces(sim.solver().topology(), sim.solver().read().position, force);
+  Vec3 sum = Vec3::Zero();
+  for (const Index i : model.group("z1")) sum -= force[i];
+  return sum;
+}
+
+TEST(Lips, CarryPressureAsTheTissueDid) {
+  const Vec3 down(0, 0, -2e-3);
+  const CutSurface oblique = across(1.0, 0.031, {0.5, 0.0, 1.0});
+  const double whole = force_on_top(oblique, Lips::whole, down).z();
+  EXPECT_NEAR(force_on_top(oblique, Lips::cut, down).z(), 0.0, 1e-3 * std::abs(whole));
+  EXPECT_NEAR(force_on_top(oblique, Lips::touching, down, 1.0).z(), whole, 0.02 * std::abs(whole));
+  // Without friction the upper part slides down the face.
+  EXPECT_NEAR(force_on_top(oblique, Lips::touching, down).z() / whole, 0.75, 0.05);
+  EXPECT_NEAR(force_on_top(oblique, Lips::touching, -down).z(), 0.0, 1e-3 * std::abs(whole));
+}
+
+/// Bent to one side a bar that is cut half through is whole, to the other it is cut.
+TEST(Lips, OpenFreelyAndClose) {
+  const CutSurface half = across(0.012, 0.0113);
+  const Vec3 opening(6e-3, 0, 0), closing(-6e-3, 0, 0);
+  const double whole = force_on_top(half, Lips::whole, closing).x();
+  EXPECT_GT(force_on_top(half, Lips::cut, closing).x(), 0.9 * whole);
+  EXPECT_NEAR(force_on_top(half, Lips::touching, closing).x(), whole, 0.03 * std::abs(whole));
+  const double open = force_on_top(half, Lips::cut, opening).x();
+  EXPECT_LT(open, 0.7 * std::abs(whole));
+  EXPECT_NEAR(force_on_top(half, Lips::touching, opening).x(), open, 1e-4 * open);
+}
+
+/// At rest they lie on each other, without a gap and without a force.
+TEST(Lips, LeaveABodyAtRestInPeace) {
+  for (const double to_x : {0.012, 1.0}) {
+    const Model model = cut_body(bar(), across(to_x));
+    Scene scene = Scene(model).fix("z0").fix("z1").contacts({.friction = 0.5});
+    const auto solver = make_solver("reference", model, scene, {});
+    ASSERT_TRUE(solver->step(200, 0.5 * solver->stable_step()).ok());
+    const State end = solver->read();
+    double moved = 0.0;
+    for (std::size_t i = 0; i < model.rest.size(); ++i) {
+      moved = std::max(moved, (end.position[i] - model.rest[i]).norm());
+    }
+    EXPECT_LT(moved, 1e-9);  // m
+  }
+}
+
+/// Points of one face meet triangles of the other one; the faces of a strip between two cuts do not meet through it.
+TEST(Lips, AreTheTwoFacesOfOneCut) {
+  const double thickness = 1.6e-3;  // m; particles nearer than 0.4 mm to a cut are taken to lie on it
+  Model model = cut_body(bar(), cut_plane({0.01, 0.01, 0.0310}, {0, 0, 1}));
+  model = cut_body(std::move(model), cut_plane({0.01, 0.01, 0.0310 + thickness}, {0, 0, 1}));
+  const ContactSurface surface = make_contact_surface(model, CutFaces::made);
+  int met = 0, of_cuts = 0;
+  for (std::size_t k = 0; k < surface.particles.size(); ++k) {
+    const ContactSurface::Particle& own = surface.particles[k];
+    if (!own.of_cut) continue;
+    ++of_cuts;
+    bool meets = false;
+    for (const ContactSurface::Triangle& triangle : surface.triangles) {
+      const Vec3& corner = surface.rest[triangle.corner[0]];
+      if ((corner - surface.rest[k]).norm() > 5e-3 || !surface.are_lips(own, k, triangle)) continue;
+      EXPECT_NE(own.body, triangle.body);
+      if (std::abs(corner.z() - surface.rest[k].z()) < 0.6e-3) meets = true;
+    }
+    met += meets ? 1 : 0;
+  }
+  EXPECT_GT(of_cuts, 100);
+  EXPECT_EQ(met, of_cuts);
+}
+
+/// They stay no farther apart than at rest; other surfaces keep their skins.
+TEST(Lips, HaveNoSkin) {
+  ContactSurface surface;
+  surface.rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.1}, {0.2, 0.2, -0.1}};
+  const ContactSurface::Particle above{.edge = 2.0};
+  const ContactSurface::Triangle triangle{.corner = {0, 1, 2}, .edge = 3.0, .has_inside = true};
+  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.2), 0.4);
+  surface.has_cuts = true;
+  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.0), 0.1);
+  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.03), 0.06);
+  EXPECT_EQ(surface.skins(above, 4, triangle, 0.0), 0.0);
+  const ContactSurface::Particle of_cut{.edge = 2.0, .of_cut = true};
+  const ContactSurface::Triangle face{.corner = {0, 1, 2}, .edge = 3.0, .has_inside = true, .of_cut = true};
+  EXPECT_EQ(surface.skins(of_cut, 3, face, 0.2), 0.0);
+}
+
+using LipsOn = OnEveryBackend;
+
+/// A bar cut in a running simulation, and pressed; `off`, m: of its particles at the start.
+State pressed_bar(const std::string& backend, double off) {
+  SimulationOptions options;
+  options.backend = backend;
+  options.damping.rate = 20.0;
+  Simulation sim(with_spare_particles(bar(), 200), options);
+  const Load down{.type = LoadType::translation,
+                  .particles = sim.model().group("z1"),
+                  .events = {{0.0, 0.0}, {0.02, 2e-3}},
+                  .direction = {0, 0, -1}};
+  sim.scene().fix("z0").contacts({.friction = 0.3}).add(down);
+  const double dt = 0.4 * sim.solver().stable_step();
+  State start = sim.solver().read();
+  for (std::size_t i = 0; i < start.position.size(); i += 2) start.position[i].x() += off;
+  sim.unrecorded_solver().reset(start);
+  EXPECT_TRUE(sim.step(5, dt).ok());
+  EXPECT_TRUE(sim.cut(across(1.0)));
+  EXPECT_TRUE(sim.step(static_cast<int>(0.02 / dt), dt).ok());
+  return sim.solver().read();
+}
+
+double largest_apart(const State& a, const State& b) {
+  double apart = 0.0;
+  for (std::size_t i = 0; i < a.position.size(); ++i) {
+    apart = std::max(apart, (a.position[i] - b.position[i]).norm());
+  }
+  return apart;
+}
+
+/// Where points lie on edges of triangles, as all of two lips do, rounding chooses the triangle. So the bound is what
+/// a thousandth of a micrometre at the start changes of the reference itself.
+TEST_P(LipsOn, MoveAsOnTheReference) {
+  const State reference = pressed_bar("reference", 0.0);
+  const double sensitivity = largest_apart(pressed_bar("reference", 1e-9), reference);
+  EXPECT_LT(largest_apart(pressed_bar(GetParam(), 0.0), reference), 3.0 * sensitivity);
+  EXPECT_LT(sensitivity, 2e-5);  // m, of 2 mm
+}
+
+PHYMUL_ON_EVERY_BACKEND(LipsOn);
+
+}  // namespace
+}  // namespace phymul
