@@ -72,7 +72,7 @@ void NeedlePath::limit(double turned, double dt) {
     Coupled& node = coupled_[k];
     const bool slides = state_.hole[k].slides || turned != 0.0;
     const double friction = (slides ? needle_.kinetic_friction : needle_.static_friction) * node.length;
-    const double most = std::min(friction, 0.5 * bears(state_.hole[k]));
+    const double most = std::min(friction, 0.75 * bears(state_.hole[k]));
     node.limit = most * dt;
     if (node.along - coupled_[state_.hole.size() - 1].along < spread_) beside_tip += most;
   }

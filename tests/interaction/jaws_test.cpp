@@ -132,6 +132,10 @@ TEST(Jaws, RefuseWhatMakesNoSense) {
   EXPECT_TRUE(refuses_with({.opening = 4.0}, "of at most 3 rad, got 4"));
   EXPECT_TRUE(refuses_with({.friction = -1.0}, "friction"));
   EXPECT_TRUE(scene.tools().empty());
+  scene.add_tool("k 2", {.shape = Sphere{0.001}});
+  EXPECT_TRUE(refuses([&] { Jaws(scene, "k", {}, {}); }, "k 2"));
+  EXPECT_EQ(scene.tools().size(), 1u);
+  scene.remove_tool("k 2");
   Jaws jaws(scene, "j", {}, {});
   EXPECT_EQ(scene.tools().size(), 2u);
   EXPECT_TRUE(refuses([&] { jaws.follow({}, {}, {}, -1.0); }, "expected a tick (s) of 0 or more, got -1"));

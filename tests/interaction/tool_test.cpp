@@ -28,8 +28,9 @@ TEST(Tool, WhatMakesNoSenseIsRefusedByName) {
   EXPECT_TRUE(says(message("a", {.shape = Sphere{1.0}, .pose = {.position = {NAN, 0, 0}}}), "pose of finite numbers"));
   EXPECT_TRUE(says(message("a", {.shape = Sphere{1.0}, .pose = {.orientation = {0, 0, 0, 0}}}), "not zero"));
   EXPECT_TRUE(says(message("a", {.shape = Needle{.puncture = 1.0, .cutting = 2.0}}), "at most the puncture force 1 N"));
-  EXPECT_TRUE(says(message("a", {.shape = Needle{.spread = 0.9e-3}}),
-                   "expected a spread of 0 (two spacings), or of at least a tenth of this body's spacing"));
+  EXPECT_TRUE(
+      says(message("a", {.shape = Needle{.spread = 0.9e-3}}),
+           "expected a spread of 0 (34 radii, at least two spacings), or of at least a tenth of this body's spacing"));
   EXPECT_TRUE(refuses([&] { scene.tool("needle"); }, "no tool \"needle\"; it has: probe"));
   EXPECT_EQ(scene.tools().size(), 1u);
   const ToolHandle handle = scene.tool("probe");
