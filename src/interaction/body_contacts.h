@@ -48,7 +48,7 @@ class BodyContacts {
     double pressed = 0.0;                    // N s, so far
     Vec3 rubbed{0, 0, 0};                    // N s, so far, across the normal
   };
-  /// What a contact's relative velocity has of a touched particle's: its weight in the point, or less its weight in the
+  /// The weight of a touched particle in a contact's relative velocity: its share in the point, less its share in the
   /// nearest point of the triangle.
   struct Share {
     std::size_t slot = 0;

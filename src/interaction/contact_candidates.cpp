@@ -33,8 +33,8 @@ constexpr double most_coarse = 2.0;
 /// Items of its own skin that are remembered for a particle: some 50 in a lattice.
 constexpr std::size_t most_skin = 96;
 
-/// They pay after some searches, which a surface that a blade changes does not live to see.
-constexpr std::size_t searches_without_skins = 3;
+/// They pay after some searches. Where a blade cuts, a surface is replaced before.
+constexpr std::size_t searches_of_lasting = 3;
 
 /// Further out nothing can be told apart: squares of lengths are no numbers any more.
 constexpr double furthest_place = 1e150;  // m
@@ -77,6 +77,7 @@ double edge_for_slack(const ContactSurface& surface, std::size_t bodies) {
 }  // namespace
 
 void ContactCandidates::follow(const ContactSurface& surface, const ContactOptions& options) {
+  const bool lasts = surface_ == nullptr || searches_ >= searches_of_lasting;
   surface_ = &surface;
   change(options);
   searches_ = 0;
@@ -120,6 +121,7 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
   kept_.reserve(surface.particles.size());
   skin_.clear();
   skin_first_.assign(surface.particles.size() + 1, 0);
+  if (lasts) find_skins();
 }
 
 void ContactCandidates::change(const ContactOptions& options) {
@@ -166,7 +168,7 @@ bool ContactCandidates::hold(std::span<const Vec3> place, double margin) {
 
 void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
   complete_ = false;
-  if (++searches_ == searches_without_skins) find_skins();
+  ++searches_;
   margin_ = margin;
   nearer_ = 0.0;
   slack_ = std::clamp(wanted_steps * margin, least_slack * usual_edge_, most_slack * usual_edge_);

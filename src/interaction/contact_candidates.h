@@ -102,8 +102,8 @@ class ContactCandidates {
   std::vector<Cluster> clusters_;
   std::vector<double> node_edge_;  // [nodes of triangles_] m, the longest
   std::vector<double> item_edge_;  // [items of triangles_] m
-  /// Of each particle items of its own skin, ascending: most of what is near it. At most `most_skin`; others, and all in
-  /// the first searches, are asked.
+  /// Of each particle items of its own skin, ascending: most of what is near it. At most `most_skin`; others are asked,
+  /// and all are where the surface before this one did not last.
   std::vector<Index> skin_;
   std::vector<std::size_t> skin_first_;  // [particles + 1]
   std::size_t searches_ = 0;

@@ -43,7 +43,8 @@ class SurfaceBuilder {
   /// of their faces.
   void add_tissue(const TissueSurface& tissue, const VecList& place, Index body, const std::vector<Index>& body_of) {
     const auto first = static_cast<std::ptrdiff_t>(surface_.particles.size());
-    surface_.has_cuts = true;
+    if (surface_.is_cut.size() <= static_cast<std::size_t>(body)) surface_.is_cut.resize(body + 1, 0);
+    surface_.is_cut[body] = 1;
     std::vector<Index> slot(place.size(), -1);
     for (std::size_t k = 0; k < place.size(); ++k) {
       const TissueVertex& at = tissue.vertices[k];
@@ -208,23 +209,19 @@ ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces) {
       builder.add(facets[b], body, kind[b].solid, bodies[b].particles);
     }
   }
+  if (!surface.is_cut.empty()) surface.is_cut.resize(bodies.size(), 0);
   return surface;
 }
 
-/// m: how far above a triangle a particle is at rest; 0 in or behind it.
-double ContactSurface::apart_at_rest(std::size_t particle_row, const Triangle& triangle) const {
+double ContactSurface::distance_at_rest(std::size_t particle_row, const Triangle& triangle) const {
   const Vec3 &a = rest[triangle.corner[0]], &b = rest[triangle.corner[1]], &c = rest[triangle.corner[2]];
   const Vec3 share = closest_point(rest[particle_row], a, b, c);
-  const Vec3 way = rest[particle_row] - (share[0] * a + share[1] * b + share[2] * c);
-  return triangle.has_inside && way.dot((b - a).cross(c - a)) < 0.0 ? 0.0 : way.norm();
+  return (rest[particle_row] - (share[0] * a + share[1] * b + share[2] * c)).norm();
 }
 
-double ContactSurface::skins(const Particle& particle, std::size_t particle_row, const Triangle& triangle,
-                             double margin) const {
-  const double usual = margin > 0.0 ? 2.0 * margin : usual_skin * (triangle.edge + particle.edge);
-  if (!has_cuts) return usual;
-  if (particle.of_cut && triangle.of_cut) return 0.0;
-  return std::min(usual, apart_at_rest(particle_row, triangle));
+double ContactSurface::skins(const Particle& particle, const Triangle& triangle, double margin) const {
+  if (are_cut(particle, triangle)) return 0.0;
+  return margin > 0.0 ? 2.0 * margin : usual_skin * (triangle.edge + particle.edge);
 }
 
 /// A lip's point lies in the plane of the other lip's triangle at rest, or a little beside it where the cut is bent;
@@ -240,10 +237,12 @@ bool ContactSurface::are_lips(const Particle& particle, std::size_t particle_row
 }
 
 bool ContactSurface::is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
-  // The rim of a cut lies on the outer triangles beyond it, and would be held there by them.
+  // The rim of a cut lies on the outer triangles across it, and would be held there by them.
   constexpr double on_it = 1e-6;  // of an edge
-  if (particle.of_cut && !triangle.of_cut && apart_at_rest(particle_row, triangle) <= on_it * triangle.edge)
+  if (particle.of_cut && !triangle.of_cut && are_cut(particle, triangle) &&
+      distance_at_rest(particle_row, triangle) <= on_it * triangle.edge) {
     return true;
+  }
   if (particle.body != triangle.body || are_lips(particle, particle_row, triangle)) return false;
   const double near = skin_factor * std::max(particle.edge, triangle.edge);
   return std::any_of(triangle.corner.begin(), triangle.corner.end(),

@@ -34,7 +34,7 @@ struct ContactSurface {
   std::vector<Triangle> triangles;
   VecList rest;  ///< [particles] m
   double longest_edge = 0.0;
-  bool has_cuts = false;
+  std::vector<char> is_cut;  ///< [bodies] 1: it has cuts, as all pieces of a body that was cut have; empty: none has
 
   // Constants of contact, of all backends.
   /// Edges: what is that near at rest does not touch, in one body. A little more than the two of a lattice, so that
@@ -51,15 +51,18 @@ struct ContactSurface {
   /// that.
   static constexpr double parted_share = 0.05, largest_parting = 0.002;
 
-  /// m: how far from what it touches a surface stays, both sides together; nothing between faces of cuts, which lie on
-  /// each other at rest, and no farther than at rest what is beside them.
-  double skins(const Particle& particle, std::size_t particle_row, const Triangle& triangle, double margin) const;
+  /// m: how far from what it touches a surface stays, both sides together. Nothing between bodies with cuts: what a cut
+  /// has parted lies on each other at rest.
+  double skins(const Particle& particle, const Triangle& triangle, double margin) const;
 
   /// Whether they are the two faces of a cut, or of a notch: they face each other at rest, and none is behind the
   /// other.
   bool are_lips(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const;
 
-  double apart_at_rest(std::size_t particle_row, const Triangle& triangle) const;
+  double distance_at_rest(std::size_t particle_row, const Triangle& triangle) const;  ///< m
+  bool are_cut(const Particle& particle, const Triangle& triangle) const {
+    return !is_cut.empty() && is_cut[particle.body] != 0 && is_cut[triangle.body] != 0;
+  }
 
   /// Whether a particle is too near a triangle at rest to touch it: neighbours in one body do not, unless a cut parts
   /// them.

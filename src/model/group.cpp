@@ -82,26 +82,28 @@ std::vector<Index> marked(const std::vector<char>& marks) {
 
 }  // namespace
 
-std::vector<char> cells_of_group(const Model& model, std::string_view group_name) {
+std::vector<char> cells_of_group(const Model& model, std::string_view group_name,
+                                 const std::function<bool(CellType)>& fits) {
+  const auto is_meant = [&](CellType type) { return fits ? fits(type) : is_solid(model.dimension, type); };
   const std::vector<char> named = components_named(model, group_name);
   std::vector<char> chosen(model.cells.size(), 0);
-  std::vector<char> is_loose(model.rest.size(), 0);  // particles of components that list no solid cell
+  std::vector<char> is_loose(model.rest.size(), 0);  // particles of components that list no such cell
   for (std::size_t row = 0; row < named.size(); ++row) {
     if (!named[row]) continue;
     const Component& component = model.components[row];
-    bool lists_solid = false;
+    bool lists_one = false;
     for (const std::vector<Index>* cells : {&component.cells, &component.cell_refs}) {
       for (const Index cell : *cells) {
-        if (!is_solid(model.dimension, model.cells[cell].type)) continue;
+        if (!is_meant(model.cells[cell].type)) continue;
         chosen[cell] = 1;
-        lists_solid = true;
+        lists_one = true;
       }
     }
-    if (!lists_solid) mark(is_loose, model, component);
+    if (!lists_one) mark(is_loose, model, component);
   }
   for (std::size_t row = 0; row < chosen.size(); ++row) {
     const Cell& cell = model.cells[row];
-    if (is_solid(model.dimension, cell.type) && are_all_marked(cell.particles, is_loose)) chosen[row] = 1;
+    if (is_meant(cell.type) && are_all_marked(cell.particles, is_loose)) chosen[row] = 1;
   }
   return chosen;
 }

@@ -87,6 +87,11 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
   bool any = false;
   for (std::size_t c = 0; c < model.cells.size(); ++c) {
     const CellType type = model.cells[c].type;
+    if (material.thickness > 0.0 && type == CellType::quad && chosen(c)) {
+      throw Error(ErrorCode::not_supported, cell_label(model, c) +
+                                                ": expected triangles for a material with a thickness, got a quad; "
+                                                "divide it into two triangles");
+    }
     const bool fits = material.thickness > 0.0 ? type == CellType::triangle : is_solid(model.dimension, type);
     const bool is_chosen = fits && chosen(c);
     rows.push_back(is_chosen ? row : model.cells[c].material);
@@ -204,15 +209,17 @@ void set_material(Model& model, const Material& material) {
   require_in_range(material);
   if (material.thickness == 0.0 && is_body_of_points(model)) return set_material_of_points(model, material);
   assign(model, material,
-         "set_material: expected " + cells_for(model, material) +
-             ", which a material with a thickness is for, but there are none",
+         "set_material: expected " + cells_for(model, material) + " for this material, but there are none",
          [](std::size_t) { return true; });
 }
 
 void set_material(Model& model, const Material& material, std::string_view group_name) {
   require_in_range(material);
   validate(model);
-  const std::vector<char> chosen = cells_of_group(model, group_name);
+  const bool wall = material.thickness > 0.0;
+  const std::vector<char> chosen = cells_of_group(model, group_name, [&](CellType type) {
+    return wall ? type == CellType::triangle : is_solid(model.dimension, type);
+  });
   assign(model, material,
          "set_material: expected group \"" + std::string(group_name) + "\" to hold all particles of some " +
              cells_for(model, material) + ", but it holds none whole",

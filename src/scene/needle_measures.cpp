@@ -5,14 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "model/point_cells.h"
+
 namespace phymul {
 namespace {
 
-/// So that bodies of up to 10 mm spacing carry the default spread of an 18 gauge needle.
+/// So that bodies of up to 10.9 mm spacing carry the default spread of an 18 gauge needle.
 constexpr double spread_in_radii = 34.0;
 
 /// Pa. On lattices of 1.3 to 6 spacings in the spread s, cells under a tip turn inside out from a push of F on, for
-/// which F / s^2 is 0.25 to 0.4 of Young's modulus (nu 0.3), 0.4 (0.4), 0.7 to 0.9 (0.45) or 0.85 to 1.4 (0.49): tissue
+/// which F / s^2 is 0.25 to 0.4 of Young's modulus (nu 0.3), 0.4 (0.4), 0.7 to 0.9 (0.45) or 0.82 to 1.4 (0.49): tissue
 /// that is easily compressed is crushed sooner. This is below all of them.
 double limit_of(const Material& material) {
   const double gives = 1.0 - 2.0 * material.poisson;
@@ -54,7 +56,7 @@ void needle_bearing(const Model& model, std::span<const double> factors, std::ve
     if (cells[i] > 0) bearing[i] /= cells[i];
   }
   // A body of points has one material.
-  if (model.cells.empty() && !model.materials.empty()) bearing.assign(count, limit(0));
+  if (is_body_of_points(model) && !model.materials.empty()) bearing.assign(count, limit(0));
 }
 
 double needle_turn(const ToolPose& start, const ToolPose& end) {

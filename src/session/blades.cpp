@@ -120,13 +120,12 @@ class EdgeNow {
     double shortest = HUGE_VAL, nearest = 1.0, of_cut = own;
     for (const Index row : edit_.cells_of()[i]) {
       const Cell& cell = model_.cells[row];
-      Eigen::Vector4d y;
-      for (std::size_t v = 0; v < 4; ++v) y[static_cast<Eigen::Index>(v)] = place_[cell.particles[v]].y();
       for (const Index j : cell.particles) {
         if (j != i) shortest = std::min(shortest, (model_.rest[i] - model_.rest[j]).norm());
       }
       if (cell.cuts.empty()) continue;
-      const bool ends = ends_at(i, row);
+      Eigen::Vector4d y;
+      for (std::size_t v = 0; v < 4; ++v) y[static_cast<Eigen::Index>(v)] = place_[cell.particles[v]].y();
       for (const CellCut& cut : cell.cuts) {
         const Eigen::Vector4d values(cut.data());
         const std::ptrdiff_t at = std::ranges::find(cell.particles, i) - cell.particles.begin();
@@ -134,7 +133,8 @@ class EdgeNow {
         const double off = std::abs(value - own) / spacing_;
         // Both without their means: how they are inclined.
         const Eigen::Vector4d a = values.array() - values.mean(), b = y.array() - y.mean();
-        const bool same = ends && std::abs(a.dot(b)) > parallel * a.norm() * b.norm();
+        const bool same = off > same_cut && off < same_front && std::abs(a.dot(b)) > parallel * a.norm() * b.norm() &&
+                          ends_at(i, row);
         const double share = off / (same ? same_front : same_cut);
         if (share >= nearest) continue;
         nearest = share;

@@ -236,7 +236,7 @@ void build_walls(const Model& model, TopologyTextures& topology) {
     throw Error(ErrorCode::not_supported,
                 cell_label(model, row) +
                     " fills space and has a material, but other cells of the model are walls; walls "
-                    "on volumes in one model are not supported: join two bodies instead");
+                    "and volumes in one model are not supported; give the walls a simulation of their own");
   }
   topology.walls = wall_terms(model);
   std::vector<char> has_wall(model.rest.size(), 0);

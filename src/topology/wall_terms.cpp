@@ -89,7 +89,8 @@ Patch patch_of(const Model& model, std::size_t row, const WallEdges& edges) {
   for (int k = 0; k < 3; ++k) patch.vertex[k] = cell.particles[k];
   patch.area = area_vector(cell.particles, model.rest).norm();
   const double length = (X(1) - X(0)).norm();
-  if (!(patch.area > 1e-6 * length * length) || !(length > 0.0)) {
+  const double longest = std::max({length, (X(2) - X(1)).norm(), (X(0) - X(2)).norm()});
+  if (!(patch.area > 1e-6 * longest * longest) || !(length > 0.0)) {
     throw Error(ErrorCode::invalid_model, cell_label(model, row) +
                                               ": expected a triangle of a wall to have an area; "
                                               "merge its corners, or remove it");

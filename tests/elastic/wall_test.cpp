@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
+#include <phymul/pml.h>
 
 #include <Eigen/Eigenvalues>
+#include <sstream>
 
 #include "support/bodies.h"
 #include "support/message_of.h"
@@ -164,6 +166,21 @@ TEST(Wall, IsDividedUntilNoSideIsTooLong) {
   EXPECT_TRUE(build_topology(fine).options.law == Law::walls);
 }
 
+TEST(Wall, HasAThicknessForEachGroup) {
+  Model wall = wall_of(disc_surface(0.1, 4, 0.0), 1e4, 0.4, 1e-3);
+  std::vector<Index> right;
+  for (Index i = 0; i < wall.particle_count(); ++i) {
+    if (wall.rest[i].x() >= -1e-9) right.push_back(i);
+  }
+  wall.add_group("right", right);
+  set_material(wall, {.young = 1e4, .poisson = 0.4, .density = 1e3, .thickness = 3e-3}, "right");
+  ASSERT_EQ(wall.materials.size(), 2u);
+  for (const Cell& cell : wall.cells) {
+    const bool all_right = std::ranges::all_of(cell.particles, [&](Index i) { return wall.rest[i].x() >= -1e-9; });
+    EXPECT_EQ(wall.materials[cell.material].thickness, all_right ? 3e-3 : 1e-3);
+  }
+}
+
 TEST(Wall, RefusesWhatItCannotDo) {
   const Material material{.young = 1e4, .poisson = 0.4, .density = 1e3, .thickness = 1e-3};
   const Surface disc = disc_surface(0.1, 2, 0.0);
@@ -178,10 +195,11 @@ TEST(Wall, RefusesWhatItCannotDo) {
   Surface branched = disc;
   branched.vertices.emplace_back(0.0, 0.0, 0.1);
   branched.triangles.push_back({disc.triangles[0][0], disc.triangles[0][1], 19});
-  const Model branches = make_wall(branched, {.material = material});
-  EXPECT_NE(
-      message_of([&] { build_topology(branches); }).find("expected an edge of a wall to join one or two triangles"),
-      std::string::npos);
+  EXPECT_NE(message_of([&] { make_wall(branched, {.material = material}); }).find("edges of one or two triangles"),
+            std::string::npos);
+  Model with_quad = make_wall(disc, {.material = material});
+  with_quad.cells.push_back({.type = CellType::quad, .particles = {0, 1, 7, 2}});
+  EXPECT_NE(message_of([&] { set_material(with_quad, material); }).find("got a quad"), std::string::npos);
   Surface flat = disc;
   flat.triangles.push_back({0, 1, 1});
   EXPECT_NE(message_of([&] { make_wall(flat, {.material = material}); }), "");
@@ -189,6 +207,8 @@ TEST(Wall, RefusesWhatItCannotDo) {
   fibrous.fibre_ratio = 2.0;
   EXPECT_NE(message_of([&] { make_wall(disc, {.material = fibrous}); }).find("neither fibres nor"), std::string::npos);
   Model wall = make_wall(disc, {.material = material});
+  std::ostringstream written;
+  EXPECT_NE(message_of([&] { write_pml(wall, written); }).find("which PML does not hold"), std::string::npos);
   EXPECT_NE(message_of([&] { build_topology(wall, {.law = Law::particle_averaged}); }).find("need Law::walls"),
             std::string::npos);
   EXPECT_NE(message_of([&] { Scene(wall).scale_stiffness(2.0); }).find("without walls"), std::string::npos);

@@ -143,21 +143,35 @@ TEST(Lips, AreTheTwoFacesOfOneCut) {
   EXPECT_EQ(met, of_cuts);
 }
 
-/// They stay no farther apart than at rest; other surfaces keep their skins.
+/// Nor have other surfaces of bodies with cuts, between each other.
 TEST(Lips, HaveNoSkin) {
   ContactSurface surface;
-  surface.rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.2, 0.1}, {0.2, 0.2, -0.1}};
-  const ContactSurface::Particle above{.edge = 2.0};
-  const ContactSurface::Triangle triangle{.corner = {0, 1, 2}, .edge = 3.0, .has_inside = true};
-  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.0), 0.5);
-  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.2), 0.4);
-  surface.has_cuts = true;
-  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.0), 0.1);
-  EXPECT_DOUBLE_EQ(surface.skins(above, 3, triangle, 0.03), 0.06);
-  EXPECT_EQ(surface.skins(above, 4, triangle, 0.0), 0.0);
-  const ContactSurface::Particle of_cut{.edge = 2.0, .of_cut = true};
-  const ContactSurface::Triangle face{.corner = {0, 1, 2}, .edge = 3.0, .has_inside = true, .of_cut = true};
-  EXPECT_EQ(surface.skins(of_cut, 3, face, 0.2), 0.0);
+  const ContactSurface::Particle cut{.body = 0, .edge = 2.0}, whole{.body = 1, .edge = 2.0};
+  const ContactSurface::Triangle triangle{.body = 0, .edge = 3.0};
+  EXPECT_DOUBLE_EQ(surface.skins(cut, triangle, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(surface.skins(cut, triangle, 0.2), 0.4);
+  surface.is_cut = {1, 0};
+  EXPECT_EQ(surface.skins(cut, triangle, 0.0), 0.0);
+  EXPECT_EQ(surface.skins(cut, triangle, 0.2), 0.0);
+  EXPECT_DOUBLE_EQ(surface.skins(whole, triangle, 0.0), 0.5);
+}
+
+/// A freed piece touches the organ that it came from, rim and cut faces included.
+TEST(Lips, OfAPieceTouchTheOutside) {
+  const Model model = cut_body(bar(), cut_plane({0.01, 0.01, 0.031}, {0, 0, 1}));
+  const ContactSurface surface = make_contact_surface(model, CutFaces::made);
+  for (std::size_t k = 0; k < surface.particles.size(); ++k) {
+    const ContactSurface::Particle& own = surface.particles[k];
+    if (!own.of_cut) continue;
+    for (const ContactSurface::Triangle& triangle : surface.triangles) {
+      if (triangle.body == own.body || triangle.of_cut) continue;
+      const auto is_far = [&](Index corner) {  // m; edges are 4 to 7 mm
+        return (surface.rest[corner] - surface.rest[k]).norm() > 0.006;
+      };
+      if (!std::ranges::all_of(triangle.corner, is_far)) continue;
+      EXPECT_FALSE(surface.is_own_skin(own, k, triangle));
+    }
+  }
 }
 
 using LipsOn = OnEveryBackend;

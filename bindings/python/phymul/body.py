@@ -157,7 +157,7 @@ class Body(Owner):
 
     def cut(self, point: Vector, normal: Vector, front: Optional[tuple[Vector, Vector]] = None) -> Body:
         """A body of tetrahedra, cut along a plane; where `front`, a point and a normal, is given, only behind it. Set
-        materials before. The lips do not touch each other."""
+        materials before. The faces of the cut touch under contacts."""
         plane = [floats(value, (3,), "a point or normal") for value in (point, normal, *(front or ()))]
         pointers = [value.ctypes.data for value in plane] + [None] * (4 - len(plane))
         return Body(make("body", library.phymul_body_cut, self._pointer, *pointers))

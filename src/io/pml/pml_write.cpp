@@ -285,6 +285,11 @@ void require_unit(const PmlOptions& options) {
 void write_pml(const Model& model, std::ostream& out, const PmlOptions& options) {
   require_unit(options);
   validate(model);
+  if (has_walls(model)) {
+    throw Error(ErrorCode::not_supported,
+                "write_pml: expected materials without a thickness, which PML does not hold, got walls; write their "
+                "triangles by write_vtu, and their material with your scene");
+  }
   PmlWriter(model, out, options).write();
 }
 
