@@ -18,8 +18,7 @@ namespace {
 /// Of a spacing: a particle that is so near to a blade's plane as to a cut of a cell beside it is as near as to the
 /// cut, so that strokes go on in older ones and a cut keeps its surface while tissue moves.
 constexpr double same_cut = 0.5;
-/// Of a spacing: the same where the cut ends at the particle, which tissue that parts can draw aside by more. A cut
-/// beside it that goes on is another one.
+/// Of a spacing: the same where the cut ends at the particle, because tissue that parts can be drawn aside by more.
 constexpr double same_front = 1.5;
 /// Spacings from the middle of a section to a corner of its cell, at most.
 constexpr double longest_edge = 2.0;

@@ -17,7 +17,9 @@ TEST(GuideWalls, SheetOnAClampedEdgeSags) {
   phymul::clamp_edges(model, [](const phymul::Vec3& place) { return place.x() < 1e-6; });
 
   phymul::Simulation sim(model, {.damping = {.rate = 10}});
-  sim.scene().fix(model.particles_in([](const phymul::Vec3& place) { return place.x() < 1e-6; })).gravity({0, 0, -0.03});
+  sim.scene()
+      .fix(model.particles_in([](const phymul::Vec3& place) { return place.x() < 1e-6; }))
+      .gravity({0, 0, -0.03});
   const phymul::RestResult rest = sim.run_to_rest();
   EXPECT_TRUE(rest.converged()) << rest.message();
   // A cantilever under its weight: q L^4 / (8 E I) = 12 rho g L^4 / (8 E t^2), less where it is a plate.

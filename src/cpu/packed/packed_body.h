@@ -51,7 +51,9 @@ struct PackedBody {
     return static_cast<std::size_t>(simd::quad_of(static_cast<std::int32_t>(place), lanes));
   }
   /// Whether terms have forces of their own for particles, and not only pulls that the move gathers.
-  bool pushes() const { return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty() && walls.empty()); }
+  bool pushes() const {
+    return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty() && walls.empty());
+  }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
   /// Takes over what changed of these domains, of Law::particle_averaged, and of the masses of their particles. Whether
   /// all was packed anew, because links went by runs; places stay.

@@ -12,7 +12,8 @@ constexpr double quad_bytes = 16.0, triple_bytes = 12.0, word_bytes = 4.0;
 
 double constants(const PackedBody& b) {
   double words = 0.0;
-  for (const Floats* table : {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.walls, &b.give, &b.inverse_mass, &b.mass}) {
+  for (const Floats* table :
+       {&b.bases, &b.enumerated, &b.springs, &b.volumes, &b.walls, &b.give, &b.inverse_mass, &b.mass}) {
     words += static_cast<double>(table->size());
   }
   for (const Offsets* table : {&b.base_first, &b.spring_first, &b.enumerated_first, &b.enumerated_neighbours,
