@@ -3,8 +3,9 @@
 // Law::walls: energy and forces of a triangle with its patch, in double precision, from the formulas in topology.h. The
 // membrane is neo-Hookean in plane stress: with the stretch of area s and I = |F|^2, J minimises
 //   psi = mu/2 (J^(-2/3) I + J^(4/3) f(s) - 3) + K/2 (J - 1)^2,   f(s) = 1/s^2
-// which is J^(-2/3) (I + (J/s)^2), J/s being the stretch of the thickness. Below s = 0.36, f goes on along its tangent,
-// and below 0.03 as a parabola: a wall crushed to a line or a point has a finite energy, and opens again.
+// where J/s is the stretch of the thickness: the first two terms are J^(-2/3) (I + (J/s)^2). Below s = 0.36 f is
+// replaced by its tangent, below 0.03 by a parabola. So a wall that is crushed to a line or a point has a finite
+// energy, and opens again.
 #pragma once
 
 #include <phymul/topology_textures.h>

@@ -42,7 +42,7 @@ class SurfaceBuilder {
   /// Of a body with cuts its part of the tissue's surface. Edges are those of cells, not of the pieces that a cut makes
   /// of their faces.
   void add_tissue(const TissueSurface& tissue, const VecList& place, Index body, const std::vector<Index>& body_of) {
-    const auto first = static_cast<std::ptrdiff_t>(surface_.particles.size());
+    const std::size_t first = surface_.particles.size();
     if (surface_.is_cut.size() <= static_cast<std::size_t>(body)) surface_.is_cut.resize(body + 1, 0);
     surface_.is_cut[body] = 1;
     std::vector<Index> slot(place.size(), -1);
@@ -79,7 +79,7 @@ class SurfaceBuilder {
                                     .has_inside = true,
                                     .of_cut = of_cut});
     }
-    for (std::size_t k = static_cast<std::size_t>(first); k < edges.size(); ++k) {
+    for (std::size_t k = first; k < edges.size(); ++k) {
       surface_.particles[k].edge /= std::max(edges[k], 1);
       if (on_both[k] != 0) surface_.particles[k].normal.setZero();
     }

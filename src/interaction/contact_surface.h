@@ -55,8 +55,8 @@ struct ContactSurface {
   /// has parted lies on each other at rest.
   double skins(const Particle& particle, const Triangle& triangle, double margin) const;
 
-  /// Whether they are the two faces of a cut, or of a notch: they face each other at rest, and none is behind the
-  /// other.
+  /// Whether they are the two faces of a cut, or of a notch: they face each other at rest, and neither is behind
+  /// the other.
   bool are_lips(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const;
 
   double distance_at_rest(std::size_t particle_row, const Triangle& triangle) const;  ///< m
