@@ -61,7 +61,7 @@ void BodyContacts::follow(const Scene& scene) {
   }
   surface_ = {};  // of no use half made
   surface_known_ = false;
-  surface_ = make_contact_surface(scene.model(), CutFaces::made);
+  surface_ = make_contact_surface(scene.model());
   candidates_.follow(surface_, options_);
   find_rows();
   place_.resize(surface_.particles.size());

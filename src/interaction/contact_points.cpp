@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "contact_surface.h"
 #include "tool_shape.h"
@@ -19,8 +20,10 @@ namespace {
 /// Along an edge of a triangle: the fewest, where the tool's radius is not known, and the most.
 constexpr int fewest_parts = 3, usual_parts = 6, most_parts = 12;
 
+using PointList = std::shared_ptr<const std::vector<ContactPoints::Shares>>;
+
 /// The centres of the k^2 like parts of a triangle.
-std::vector<ContactPoints::Shares> centres(int k) {
+PointList centres(int k) {
   std::vector<ContactPoints::Shares> made;
   const auto add = [&](int a, int b, int c) { made.push_back({a / (3.0 * k), b / (3.0 * k), c / (3.0 * k)}); };
   for (int i = 0; i < k; ++i) {
@@ -29,25 +32,45 @@ std::vector<ContactPoints::Shares> centres(int k) {
       if (i + j + 1 < k) add(3 * (k - i - j) - 4, 3 * i + 2, 3 * j + 2);
     }
   }
-  return made;
+  return std::make_shared<const std::vector<ContactPoints::Shares>>(std::move(made));
 }
 
-const std::vector<ContactPoints::Shares>& points_of_triangle(int k) {
-  static const std::array<std::vector<ContactPoints::Shares>, most_parts + 1> all = [] {
-    std::array<std::vector<ContactPoints::Shares>, most_parts + 1> made;
+const PointList& points_of_triangle(int k) {
+  static const std::array<PointList, most_parts + 1> all = [] {
+    std::array<PointList, most_parts + 1> made;
     for (int parts = fewest_parts; parts <= most_parts; ++parts) made[parts] = centres(parts);
     return made;
   }();
   return all[k];
 }
 
-const std::vector<ContactPoints::Shares>& point_of_particle() {
-  static const std::vector<ContactPoints::Shares> one{{1.0, 0.0, 0.0}};
-  return one;
+void add_particle(ContactPoints& points, Index row) {
+  static const PointList one = std::make_shared<const std::vector<ContactPoints::Shares>>(1, ContactPoints::Shares{1.0});
+  points.patches.push_back({.corner = {row}, .corners = 1, .points = one, .area = 1.0});
 }
 
-void add_particle(ContactPoints& points, Index row) {
-  points.patches.push_back({{row, row, row}, &point_of_particle(), 1.0});
+/// Of a triangle whose corners are means of the particles of one cell.
+void set_corners(ContactPoints::Patch& patch, const std::array<TissueVertex, 3>& corner) {
+  patch.corners = 0;
+  std::array<ContactPoints::Shares, 3> weights{};  // of the corners, by the patch's particles
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t v = 0; v < 4 && corner[c].particles[v] >= 0; ++v) {
+      const auto known = patch.particles();
+      const auto at = static_cast<std::size_t>(std::ranges::find(known, corner[c].particles[v]) - known.begin());
+      if (at == known.size()) patch.corner[static_cast<std::size_t>(patch.corners++)] = corner[c].particles[v];
+      weights[c][at] = corner[c].weights[v];
+    }
+  }
+  patch.of_cut_cell = std::ranges::any_of(corner, [](const TissueVertex& at) { return at.particles[1] >= 0; });
+  if (!patch.of_cut_cell) return;
+  std::vector<ContactPoints::Shares> points;
+  for (const ContactPoints::Shares& of_corners : *patch.points) {
+    ContactPoints::Shares& made = points.emplace_back();
+    for (std::size_t v = 0; v < 4; ++v) {
+      for (std::size_t c = 0; c < 3; ++c) made[v] += of_corners[c] * weights[c][v];
+    }
+  }
+  patch.points = std::make_shared<const std::vector<ContactPoints::Shares>>(std::move(points));
 }
 
 /// What follows from the patches.
@@ -56,8 +79,7 @@ void finish(ContactPoints& points, std::size_t particles) {
   points.patch_first.assign(particles + 1, 0);
   const auto each = [&](auto visit) {
     for (std::size_t p = 0; p < points.patches.size(); ++p) {
-      const auto& corner = points.patches[p].corner;
-      for (int c = 0; c < (corner[0] == corner[1] ? 1 : 3); ++c) visit(p, corner[c]);
+      for (const Index row : points.patches[p].particles()) visit(p, row);
     }
   };
   each([&](std::size_t, Index row) { ++points.patch_first[row + 1]; });
@@ -76,15 +98,16 @@ ContactPoints make_contact_points(const Model& model, double least_radius) {
   std::vector<char> has_triangles(bodies.size(), 0);
   for (const ContactSurface::Triangle& triangle : surface.triangles) {
     has_triangles[triangle.body] = 1;
-    std::array<Index, 3> corner{};
-    for (int c = 0; c < 3; ++c) corner[c] = surface.particles[triangle.corner[c]].row;
-    const Vec3 &a = model.rest[corner[0]], &b = model.rest[corner[1]], &c = model.rest[corner[2]];
+    const auto& [one, other, third] = triangle.corner;
+    const Vec3 &a = surface.rest[one], &b = surface.rest[other], &c = surface.rest[third];
     const double area = 0.5 * (b - a).cross(c - a).norm();
     if (!(area > 0.0)) continue;
     const double edge = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const double wanted = least_radius > 0.0 ? std::ceil(3.0 * edge / least_radius) : double{usual_parts};
-    const auto& points = points_of_triangle(static_cast<int>(std::clamp<double>(wanted, fewest_parts, most_parts)));
-    made.patches.push_back({corner, &points, area / static_cast<double>(points.size())});
+    ContactPoints::Patch& patch = made.patches.emplace_back();
+    patch.points = points_of_triangle(static_cast<int>(std::clamp<double>(wanted, fewest_parts, most_parts)));
+    patch.area = area / static_cast<double>(patch.points->size());
+    set_corners(patch, {surface.particles[one].at, surface.particles[other].at, surface.particles[third].at});
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (has_triangles[b]) continue;

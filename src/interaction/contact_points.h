@@ -1,24 +1,30 @@
 // SPDX-License-Identifier: MIT
 //
 // Where tools with ToolContact::surface touch bodies: at points that are fixed to the triangles of a surface, each a
-// mean of three particles. Bodies without triangles are touched at their particles.
+// mean of three particles, or of up to four where a cut crosses a cell. Bodies without triangles are touched at their
+// particles.
 #pragma once
 
 #include <phymul/model.h>
 #include <phymul/tool.h>
 
 #include <array>
+#include <memory>
+#include <span>
 #include <vector>
 
 namespace phymul {
 
 struct ContactPoints {
-  using Shares = std::array<double, 3>;  // of a patch's corners in a point, sum 1
+  using Shares = std::array<double, 4>;  // of a patch's corners in a point, sum 1
 
-  struct Patch {                    // a triangle, or a particle: its first corner, three times
-    std::array<Index, 3> corner{};  // rows of the model
-    const std::vector<Shares>* points = nullptr;
+  struct Patch {                    // a triangle, or a particle
+    std::array<Index, 4> corner{};  // rows of the model: the particles that its points are means of, `corners` of them
+    int corners = 0;
+    bool of_cut_cell = false;  // its corners are particles of a cell, not of a triangle
+    std::shared_ptr<const std::vector<Shares>> points{};
     double area = 0.0;  // m^2 of the rest surface that each of its points stands for; a particle's is 1
+    std::span<const Index> particles() const { return {corner.data(), static_cast<std::size_t>(corners)}; }
   };
   std::vector<Patch> patches;
   std::vector<std::size_t> patch_first;  // [N + 1] of a particle in patch_of

@@ -168,7 +168,7 @@ class SurfaceBuilder {
 
 }  // namespace
 
-ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces) {
+ContactSurface make_contact_surface(const Model& model) {
   ContactSurface surface;
   SurfaceBuilder builder(model, surface);
   const std::vector<ConnectedBody> bodies = connected_bodies(model);
@@ -185,7 +185,7 @@ ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces) {
     if (cell_size(cell.type) == 0 || !(cell.share > 0.0) || body < 0) continue;
     kind[body].of_cells |= is_solid(model.dimension, cell);
     kind[body].solid |= is_volume(cell.type);
-    kind[body].cut |= cut_faces == CutFaces::made && !cell.cuts.empty();
+    kind[body].cut |= !cell.cuts.empty();
   }
   std::vector<std::vector<Facet>> facets(bodies.size());
   const auto add_facets = [&](bool of_cells, auto find) {

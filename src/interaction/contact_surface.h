@@ -69,12 +69,8 @@ struct ContactSurface {
   bool is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const;
 };
 
-enum class CutFaces {
-  left_out,  ///< every point is a particle; the surface is that of whole cells and lacks the faces of cuts
-  made       ///< the surface of the tissue (tissue_surface)
-};
-
-/// Bodies without any facet have particles only, whose edges are the ways to their neighbours.
-ContactSurface make_contact_surface(const Model& model, CutFaces cut_faces = CutFaces::left_out);
+/// Of bodies with cuts the surface of the tissue (tissue_surface). Bodies without any facet have particles only, whose
+/// edges are the ways to their neighbours.
+ContactSurface make_contact_surface(const Model& model);
 
 }  // namespace phymul

@@ -14,10 +14,6 @@ constexpr double room_in_edges = 1.0;
 /// Below it, of the thickness, squared, depth_after() looks at the end alone.
 constexpr double short_way = 0.2499;
 
-Vec3 mean(const ContactPoints::Shares& share, const Vec3& a, const Vec3& b, const Vec3& c) {
-  return share[0] * a + share[1] * b + share[2] * c;
-}
-
 /// As depth_after(): most ways are too short to pass through the tool.
 Depth<double> depth_of(const ShapeIn<double>& shape, const Vector3<double>& from, const Vector3<double>& to,
                        const Vector3<double>& way) {
@@ -46,9 +42,10 @@ SurfacePress::SurfacePress(const Model& model, const Tool& tool)
   near_.reserve(points_.patches.size());
   pressed_.reserve(points_.most_points + model.rest.size());
   for (const ContactPoints::Patch& patch : points_.patches) {
-    for (int c = 0; c < 3; ++c) {
-      const Vec3 edge = model.rest[patch.corner[(c + 1) % 3]] - model.rest[patch.corner[c]];
-      room_ = std::max(room_, room_in_edges * edge.norm());
+    for (const Index a : patch.particles()) {
+      for (const Index b : patch.particles()) {
+        room_ = std::max(room_, room_in_edges * (model.rest[a] - model.rest[b]).norm());
+      }
     }
   }
 }
@@ -86,8 +83,7 @@ void SurfacePress::find_near(const ShapeIn<double>& shape, const ToolFrame& star
 SurfacePress::Corners SurfacePress::corners_of(Index patch, const ToolFrame& start, const ToolFrame& end,
                                                const TouchedParticles& touched) {
   Corners all{};
-  for (int c = 0; c < 3; ++c) {
-    const Index row = points_.patches[patch].corner[c];
+  for (const Index row : points_.patches[patch].particles()) {
     if (corner_of_[row] < 0) {
       corner_of_[row] = static_cast<Index>(corners_.size());
       Corner& made = corners_.emplace_back();
@@ -95,7 +91,7 @@ SurfacePress::Corners SurfacePress::corners_of(Index patch, const ToolFrame& sta
       made.from = start.inside(touched.step().position(row));
       made.to = end.inside(touched.end(row));
     }
-    all[c] = static_cast<std::size_t>(corner_of_[row]);
+    all.row[static_cast<std::size_t>(all.count++)] = static_cast<std::size_t>(corner_of_[row]);
   }
   return all;
 }
@@ -103,19 +99,20 @@ SurfacePress::Corners SurfacePress::corners_of(Index patch, const ToolFrame& sta
 /// Whether a point of the triangle may be in the tool at the step's end, or have gone through it, if it comes nearer by
 /// `room`, m.
 bool SurfacePress::may_touch(const ShapeIn<double>& shape, const Corners& of, double room) const {
-  const Corner &a = corners_[of[0]], &b = corners_[of[1]], &c = corners_[of[2]];
-  const Vec3 middle = (a.to + b.to + c.to) / 3.0;
+  Vec3 middle = Vec3::Zero();
+  for (const std::size_t c : of.rows()) middle += corners_[c].to;
+  middle /= of.count;
   double far = 0.0, way = 0.0;  // squared
-  for (const Corner* own : {&a, &b, &c}) {
-    far = std::max(far, (own->to - middle).squaredNorm());
-    way = std::max(way, (own->to - own->from).squaredNorm());
+  for (const std::size_t c : of.rows()) {
+    far = std::max(far, (corners_[c].to - middle).squaredNorm());
+    way = std::max(way, (corners_[c].to - corners_[c].from).squaredNorm());
   }
   return distance_to(shape, unpacked(middle)).phi <= std::sqrt(far) + std::sqrt(way) + room;
 }
 
 /// Whether no point of the triangle passes through the tool in this step.
 bool SurfacePress::is_short(const ShapeIn<double>& shape, const Corners& of) const {
-  return std::ranges::all_of(of, [&](std::size_t c) {
+  return std::ranges::all_of(of.rows(), [&](std::size_t c) {
     return (corners_[c].to - corners_[c].from).squaredNorm() <= short_way * shape.thickness * shape.thickness;
   });
 }
@@ -125,20 +122,25 @@ bool SurfacePress::is_short(const ShapeIn<double>& shape, const Corners& of) con
 bool SurfacePress::is_before_one_face(const ShapeIn<double>& shape, const Corners& of) const {
   if (shape.kind == ShapeKind::half_space) return true;
   if (shape.kind != ShapeKind::box) return false;
-  const int face = face_of(shape, corners_[of[0]].to);
-  return face >= 0 && face == face_of(shape, corners_[of[1]].to) && face == face_of(shape, corners_[of[2]].to);
+  const int face = face_of(shape, corners_[of.row[0]].to);
+  return face >= 0 &&
+         std::ranges::all_of(of.rows(), [&](std::size_t c) { return face == face_of(shape, corners_[c].to); });
+}
+
+Vec3 SurfacePress::mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const {
+  Vec3 sum = share[0] * corners_[of.row[0]].*place;
+  for (std::size_t c = 1; c < of.rows().size(); ++c) sum += share[c] * corners_[of.row[c]].*place;
+  return sum;
 }
 
 /// Keeps a point that is in the tool at the step's end.
 void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share,
                         double area) {
-  const Corner &a = corners_[of[0]], &b = corners_[of[1]], &c = corners_[of[2]];
-  const Vector3<double> from = unpacked(mean(share, a.from, b.from, c.from)),
-                        to = unpacked(mean(share, a.to, b.to, c.to));
+  const Vector3<double> from = unpacked(mean(share, of, &Corner::from)), to = unpacked(mean(share, of, &Corner::to));
   const double depth = depth_of(shape, from, to, to - from).depth;
   if (!(depth > 0.0)) return;
   pressed_.push_back({of, share, from, area * depth});
-  for (int k = 0; k < 3; ++k) corners_[of[k]].load += share[k] * pressed_.back().load;
+  for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * pressed_.back().load;
 }
 
 /// Finds the points that touch, their load on each particle, and what that makes of them.
@@ -151,16 +153,16 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
     const Corners of = corners_of(row, start, end, touched);
     if (!may_touch(shape, of, 0.0)) continue;
     const ContactPoints::Patch& patch = points_.patches[row];
-    if (is_short(shape, of) && is_before_one_face(shape, of)) {
-      const double area = patch.area * static_cast<double>(patch.points->size()) / 3.0;
-      for (const std::size_t c : of) corners_[c].area += area;
+    if (!patch.of_cut_cell && is_short(shape, of) && is_before_one_face(shape, of)) {
+      const double area = patch.area * static_cast<double>(patch.points->size()) / of.count;
+      for (const std::size_t c : of.rows()) corners_[c].area += area;
     } else {
       for (const ContactPoints::Shares& share : *patch.points) find(shape, of, share, patch.area);
     }
   }
   // The same corner of several triangles is one point.
   for (std::size_t k = 0; k < corners_.size(); ++k) {
-    if (corners_[k].area > 0.0) find(shape, {k, k, k}, {1.0, 0.0, 0.0}, corners_[k].area);
+    if (corners_[k].area > 0.0) find(shape, {{k}, 1}, {1.0}, corners_[k].area);
   }
   for (std::size_t k = 0; k < corners_.size(); ++k) {
     Corner& corner = corners_[k];
@@ -172,8 +174,8 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
     corner.inverse_mass = particle.held || particle.fixed == 7 ? 0.0 : particle.inverse_mass;
   }
   for (Pressed& point : pressed_) {
-    for (int c = 0; c < 3; ++c) {
-      const Corner& corner = corners_[point.corner[c]];
+    for (std::size_t c = 0; c < point.corner.rows().size(); ++c) {
+      const Corner& corner = corners_[point.corner.row[c]];
       point.inverse_mass += point.share[c] * corner.load / point.load * corner.inverse_mass;
       point.crowd += point.share[c] * corner.load / point.load;
     }
@@ -183,9 +185,7 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
 /// Particles take nothing before hand_over(). Whether there is something for them.
 bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt) {
   if (!(point.inverse_mass > 0.0)) return false;
-  const std::array<Corner*, 3> corner{&corners_[point.corner[0]], &corners_[point.corner[1]],
-                                      &corners_[point.corner[2]]};
-  const Vector3<double> to = unpacked(mean(point.share, corner[0]->to, corner[1]->to, corner[2]->to));
+  const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
   const Vector3<double> way = to - point.from;
   const Depth<double> in = depth_of(shape, point.from, to, way);
   if (!(in.depth > 0.0)) return false;
@@ -193,9 +193,10 @@ bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>&
   own_law.friction = 0.0;             // rub()
   own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
   const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, way, point.inverse_mass, dt);
-  for (int c = 0; c < 3; ++c) {
-    corner[c]->impulse += point.share[c] * packed(touch.impulse);
-    corner[c]->shift += point.share[c] / point.inverse_mass * packed(touch.shift);
+  for (std::size_t c = 0; c < point.corner.rows().size(); ++c) {
+    Corner& corner = corners_[point.corner.row[c]];
+    corner.impulse += point.share[c] * packed(touch.impulse);
+    corner.shift += point.share[c] / point.inverse_mass * packed(touch.shift);
   }
   return true;
 }

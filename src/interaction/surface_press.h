@@ -27,6 +27,7 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "contact_points.h"
@@ -80,8 +81,12 @@ class SurfacePress {
     Vec3 pressed{0, 0, 0}, rubbed{0, 0, 0};  // N s, of all rounds: by points, and by friction
     Vec3 given{0, 0, 0};                     // N s, of all rounds, in the world
   };
-  using Corners = std::array<std::size_t, 3>;  // of a triangle, in corners_
-  struct Pressed {                             // a point that touches in the first round
+  struct Corners {  // of a patch, in corners_
+    std::array<std::size_t, 4> row{};
+    int count = 0;
+    std::span<const std::size_t> rows() const { return {row.data(), static_cast<std::size_t>(count)}; }
+  };
+  struct Pressed {  // a point that touches in the first round
     Corners corner{};
     ContactPoints::Shares share{};         // of them
     Vector3<double> from;                  // m, in the tool's frame
@@ -97,6 +102,8 @@ class SurfacePress {
                  const TouchedParticles& touched);
   bool is_short(const ShapeIn<double>& shape, const Corners& of) const;
   bool is_before_one_face(const ShapeIn<double>& shape, const Corners& of) const;
+  /// Of a point of the patch: the mean of its corners' `from` or `to`.
+  Vec3 mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const;
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);

@@ -11,6 +11,7 @@
 #include "body/cut_places.h"
 #include "model/cell_geometry.h"
 #include "simulation_parts.h"
+#include "warnings.h"
 
 namespace phymul {
 
@@ -55,6 +56,9 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
     change_body(removed_before, cuts_before);
     throw;
   }
+  const std::size_t known = warnings.size();
+  look_for_tools_beyond_cuts(model, scene, warnings);
+  if (options.log && warnings.size() > known) options.log(warnings.back());
 }
 
 void Simulation::remove_cells(std::span<const Index> cells) {

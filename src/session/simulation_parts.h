@@ -70,7 +70,7 @@ struct Simulation::Parts {
   } progress;
 
   std::unique_ptr<Solver> made;       ///< ask solver() for it
-  std::vector<std::string> warnings;  ///< of when it was made
+  std::vector<std::string> warnings;  ///< of when it was made, and of cuts since
   std::optional<Recorder> recorder;   ///< refers to it
 };
 

@@ -53,7 +53,7 @@ void require_supported(const TopologyTextures& topology, const Scene& scene, con
   if (!topology.walls.empty()) refuse("expected a body of cells that fill space, got walls");
   if (!AveragedStiffness::is_all_of(topology)) refuse("expected a body with a material, got stiffnesses in N/m");
   for (Index i = 0; i < topology.particle_count; ++i) {
-    if (topology.first_domain[i] != topology.first_domain[i + 1]) continue;
+    if (topology.first_domain[i] != topology.first_domain[i + 1] || topology.mass[i] == 0.0) continue;
     refuse("particle " + std::to_string(i) + " is in no cell with a material");
   }
   for (const SceneTool& tool : scene.tools()) require_supported(tool, solver);
@@ -143,6 +143,17 @@ void hold_grasped(const Scene& scene, const State& state, LoadFrame& loads) {
   });
 }
 
+/// Particles that no cell has stay where they are: removed ones, and spare ones.
+void hold_removed(const TopologyTextures& topology, const State& state, LoadFrame& loads) {
+  for (std::size_t i = 0; i < topology.mass.size(); ++i) {
+    if (topology.mass[i] != 0.0) continue;
+    loads.fixed.resize(state.position.size(), 0);
+    loads.target.resize(state.position.size(), Vec3::Zero());
+    loads.target[i] = state.position[i];
+    loads.fixed[i] = 7;
+  }
+}
+
 /// What grasped particles at rest do to their tools, by Scene::tools().
 std::vector<ToolForce> of_held(const TopologyTextures& topology, const Scene& scene, const State& state,
                                RestTerms terms) {
@@ -209,6 +220,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   scene().prepare(loads);
   scene().evaluate(state.time, loads);
   hold_grasped(scene(), state, loads);
+  hold_removed(topology, state, loads);
   RestJoints joints(scene(), state);
   const bool has_tools = !scene().tools().empty();
   const std::vector<Mat3> diagonal = diagonal_at_rest(topology);

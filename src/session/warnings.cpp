@@ -15,6 +15,7 @@
 #include "base/place_text.h"
 #include "interaction/closest_point.h"
 #include "interaction/tool_shape.h"
+#include "model/tissue_surface.h"
 #include "scene/loose_parts.h"
 
 namespace phymul {
@@ -157,6 +158,20 @@ void look_for_thin_tools(const Model& model, const Scene& scene, std::vector<std
 
 }  // namespace
 
+void look_for_tools_beyond_cuts(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  const auto meets_particles = [](const SceneTool& tool) {
+    return tool.tool.contact == ToolContact::particles && !std::holds_alternative<Needle>(tool.tool.shape) &&
+           !std::holds_alternative<Blade>(tool.tool.shape);
+  };
+  const auto tool = std::ranges::find_if(scene.tools(), meets_particles);
+  if (tool == scene.tools().end() || !has_cuts(model)) return;
+  std::string text =
+      "the tool \"" + tool->name +
+      "\" touches particles, of which some at a cut are copies that stand beyond the cut, where no tissue "
+      "is; take ToolContact::surface";
+  if (std::ranges::find(found, text) == found.end()) found.push_back(std::move(text));
+}
+
 std::vector<std::string> warnings_of(const Model& model, const Scene& scene, bool takes_material) {
   std::vector<std::string> found;
   if (model.materials.empty() && takes_material) {
@@ -167,6 +182,7 @@ std::vector<std::string> warnings_of(const Model& model, const Scene& scene, boo
   look_at_units(model, scene, found);
   look_at_joints(scene, found);
   look_at_tools(model, scene, found);
+  look_for_tools_beyond_cuts(model, scene, found);
   look_for_overlaps(model, scene, found);
   look_for_thin_tools(model, scene, found);
   look_for_what_is_loose(model, scene, found);

@@ -113,6 +113,7 @@ void GridLevel::number_cells() {
 void GridLevel::share_out(const TopologyTextures& topology) {
   for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
     const DomainTexel& domain = topology.domains[d];
+    if (domain.link_count == 0) continue;  // its cells were removed
     const Vec3 t = (topology.rest[domain.particle] - shape_.origin).cwiseQuotient(shape_.spacing);
     std::array<std::array<Index, 2>, 3> range;
     double share = 1.0;
@@ -289,7 +290,7 @@ GridPlace GridLevel::place_of(const Vec3& point) const {
   for (int axis = 0; axis < 3; ++axis) {
     at[axis] = std::clamp(static_cast<Index>(std::floor(t[axis])), Index{0}, shape_.cells[axis] - 1);
   }
-  GridPlace place;
+  GridPlace place{};
   std::array<double, 8> weight = weights_at(t - Vec3(at[0], at[1], at[2]));
   double sum = 0.0;
   for (int a = 0; a < 8; ++a) {
@@ -298,7 +299,8 @@ GridPlace GridLevel::place_of(const Vec3& point) const {
     if (node == none) weight[a] = 0.0;
     sum += weight[a];
   }
-  for (int a = 0; a < 8; ++a) place.weight[a] = static_cast<float>(weight[a] / sum);
+  // No node: a particle far from all cells that are left, which is held.
+  for (int a = 0; a < 8 && sum > 0.0; ++a) place.weight[a] = static_cast<float>(weight[a] / sum);
   return place;
 }
 

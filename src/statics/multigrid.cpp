@@ -98,7 +98,7 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
       if ((fixed[i] >> axis & 1) != 0) free_[3 * static_cast<Eigen::Index>(i) + axis] = 0.0;
     }
   }
-  turned_inverse_.resize(diagonal_.size());
+  turned_inverse_.assign(diagonal_.size(), padded(Mat3::Zero()));
   double volume = 0.0;
   for (const DomainTexel& domain : topology.domains) volume += 1.0 / domain.inverse_volume;
   const double spacing = std::cbrt(volume / static_cast<double>(topology.particle_count));
@@ -161,8 +161,8 @@ void Multigrid::turn(std::span<const Mat3> gradients) {
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const Mat3 R = polar_rotation(sums[i]);
     Mat3 block = R * diagonal_[i] * R.transpose();
-    if (!of_terms_.empty()) block += of_terms_[i];  // which do not turn with the body
-    turned_inverse_[i] = padded(block.inverse());
+    if (!of_terms_.empty()) block += of_terms_[i];                         // which do not turn with the body
+    if (!block.isZero(0.0)) turned_inverse_[i] = padded(block.inverse());  // zero where cells were removed
   }
   for (Coarse& coarse : coarse_) {
     if (coarse.stiffness.rows() > 0) coarse.level.assemble(gradients, coarse.stiffness);

@@ -16,8 +16,9 @@ constexpr double stiffening = 30.0;
 constexpr int raises_of_surfaces = 3;
 
 Vec3 place_of(const ContactPoints::Patch& patch, const ContactPoints::Shares& share, std::span<const Vec3> position) {
-  return share[0] * position[patch.corner[0]] + share[1] * position[patch.corner[1]] +
-         share[2] * position[patch.corner[2]];
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t c = 0; c < patch.particles().size(); ++c) sum += share[c] * position[patch.corner[c]];
+  return sum;
 }
 
 template <class Visit>
@@ -31,11 +32,11 @@ void for_each_point(const ContactPoints& points, const Visit& visit) {
 std::vector<double> stiffness_of(const ContactPoints& points, std::span<const Mat3> stiffness) {
   std::vector<double> area(stiffness.size(), 0.0), of_points;
   for_each_point(points, [&](const ContactPoints::Patch& patch, const ContactPoints::Shares& share) {
-    for (int c = 0; c < 3; ++c) area[patch.corner[c]] += share[c] * patch.area;
+    for (int c = 0; c < patch.corners; ++c) area[patch.corner[c]] += share[c] * patch.area;
   });
   for_each_point(points, [&](const ContactPoints::Patch& patch, const ContactPoints::Shares& share) {
     double sum = 0.0;
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < patch.corners; ++c) {
       const Index i = patch.corner[c];
       if (share[c] > 0.0) sum += share[c] * patch.area / area[i] * stiffness[i].trace() / 3.0;
     }
@@ -49,7 +50,7 @@ std::vector<double> stiffness_of(const ContactPoints& points, std::span<const Ma
 RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::span<const std::uint8_t> fixed)
     : particles_(stiffness.size()) {
   const auto cannot_move = [&](const ContactPoints::Patch& patch) {
-    return !fixed.empty() && std::ranges::all_of(patch.corner, [&](Index i) { return fixed[i] == 7; });
+    return !fixed.empty() && std::ranges::all_of(patch.particles(), [&](Index i) { return fixed[i] == 7; });
   };
   for (const SceneTool& own : scene.tools()) {
     const Tool& tool = own.tool;
@@ -78,9 +79,11 @@ void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> pos
   for (const ContactPoints::Patch& patch : tool.points.patches) {
     const std::size_t first = next, count = patch.points->size();
     next += count;
-    const Vec3 middle = place_of(patch, {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, position);
+    ContactPoints::Shares even{};
+    std::fill_n(even.begin(), patch.corners, 1.0 / patch.corners);
+    const Vec3 middle = place_of(patch, even, position);
     double around = 0.0;
-    for (const Index i : patch.corner) around = std::max(around, (position[i] - middle).norm());
+    for (const Index i : patch.particles()) around = std::max(around, (position[i] - middle).norm());
     const auto estimates = std::span(tool.estimate).subspan(first, count);
     if (distance_to(tool.shape, unpacked(tool.frame.inside(middle))).phi > around &&
         std::ranges::all_of(estimates, [](double estimate) { return estimate == 0.0; })) {
@@ -99,7 +102,8 @@ void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> pos
 VecList RestTools::forces_of(const Touching& tool, std::span<const Vec3> position) const {
   VecList force(particles_, Vec3::Zero());
   for_each_pressed(tool, position, [&](const Pressed& own) {
-    for (int c = 0; c < 3; ++c) force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
+    for (int c = 0; c < own.patch->corners; ++c)
+      force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
   });
   return force;
 }
@@ -112,7 +116,8 @@ void RestTools::mark_held(std::span<char> particles) const {
 void RestTools::add_forces(std::span<const Vec3> position, std::span<Vec3> force) const {
   for (const Touching& tool : tools_) {
     for_each_pressed(tool, position, [&](const Pressed& own) {
-      for (int c = 0; c < 3; ++c) force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
+      for (int c = 0; c < own.patch->corners; ++c)
+        force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
     });
   }
 }
@@ -145,8 +150,8 @@ void RestTools::add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) c
   const auto row = [](const Pressed& own, int c) { return 3 * Eigen::Index{own.patch->corner[c]}; };
   for (const Pressed& own : linear_) {
     double way = 0.0;
-    for (int c = 0; c < 3; ++c) way += (*own.share)[c] * own.normal.dot(d.segment<3>(row(own, c)));
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < own.patch->corners; ++c) way += (*own.share)[c] * own.normal.dot(d.segment<3>(row(own, c)));
+    for (int c = 0; c < own.patch->corners; ++c) {
       result.segment<3>(row(own, c)) += (*own.share)[c] * own.gain * way * own.normal;
     }
   }
@@ -155,7 +160,8 @@ void RestTools::add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) c
 void RestTools::add_diagonal(std::span<Mat3> blocks) const {
   for (const Pressed& own : linear_) {
     const Mat3 along = own.gain * own.normal * own.normal.transpose();
-    for (int c = 0; c < 3; ++c) blocks[own.patch->corner[c]] += (*own.share)[c] * (*own.share)[c] * along;
+    for (int c = 0; c < own.patch->corners; ++c)
+      blocks[own.patch->corner[c]] += (*own.share)[c] * (*own.share)[c] * along;
   }
 }
 
@@ -168,7 +174,7 @@ double RestTools::squared_miss(std::span<const Vec3> position) const {
     for_each_pressed(tool, position, [&](const Pressed& own) { miss[own.row] += own.force; });
     auto next = miss.begin();
     for_each_point(tool.points, [&](const ContactPoints::Patch& patch, const ContactPoints::Shares& share) {
-      for (int c = 0; c < 3; ++c) of_particles[patch.corner[c]] += share[c] * *next;
+      for (int c = 0; c < patch.corners; ++c) of_particles[patch.corner[c]] += share[c] * *next;
       ++next;
     });
     for (const double own : of_particles) sum += own * own;

@@ -100,7 +100,7 @@ TEST(Lips, AreNoneAtTheFront) {
   int at_front = 0;
   for (const double to_x : {0.006, 0.01, 0.012, 0.016}) {
     const Model model = cut_body(bar(), across(to_x));
-    const ContactSurface surface = make_contact_surface(model, CutFaces::made);
+    const ContactSurface surface = make_contact_surface(model);
     std::vector<std::array<bool, 2>> faces(surface.particles.size(), {false, false});  // above and below
     for (const ContactSurface::Triangle& triangle : surface.triangles) {
       if (!triangle.of_cut) continue;
@@ -124,7 +124,7 @@ TEST(Lips, AreTheTwoFacesOfOneCut) {
   const double thickness = 1.6e-3;  // m; particles nearer than 0.4 mm to a cut are taken to lie on it
   Model model = cut_body(bar(), cut_plane({0.01, 0.01, 0.0310}, {0, 0, 1}));
   model = cut_body(std::move(model), cut_plane({0.01, 0.01, 0.0310 + thickness}, {0, 0, 1}));
-  const ContactSurface surface = make_contact_surface(model, CutFaces::made);
+  const ContactSurface surface = make_contact_surface(model);
   int met = 0, of_cuts = 0;
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     const ContactSurface::Particle& own = surface.particles[k];
@@ -159,7 +159,7 @@ TEST(Lips, HaveNoSkin) {
 /// A freed piece touches the organ that it came from, rim and cut faces included.
 TEST(Lips, OfAPieceTouchTheOutside) {
   const Model model = cut_body(bar(), cut_plane({0.01, 0.01, 0.031}, {0, 0, 1}));
-  const ContactSurface surface = make_contact_surface(model, CutFaces::made);
+  const ContactSurface surface = make_contact_surface(model);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     const ContactSurface::Particle& own = surface.particles[k];
     if (!own.of_cut) continue;

@@ -284,6 +284,25 @@ TEST(SimulationStatic, FindsTheShapeOnJoints) {
   }
 }
 
+/// A notch, a corner without cells and what was there, and spare particles: none of these has mass or stiffness.
+TEST(SimulationStatic, FindsTheShapeOfWhatCutsAndRemovalsLeave) {
+  std::vector<Simulation> sims;
+  for (int k = 0; k < 2; ++k) {
+    Simulation& sim = sims.emplace_back(hung(with_spare_particles(beam(4, Cells::tetrahedra), 100), 0.3, 0.01));
+    CutSurface notch = cut_plane({0.083, 0.025, 0.025}, {1, 0.1, 0});
+    notch.front = [](const Vec3& x) { return 0.03 - x.z(); };
+    ASSERT_TRUE(sim.cut(notch));
+    std::vector<Index> corner;
+    for (Index row = 0; row < static_cast<Index>(sim.model().cells.size()); ++row) {
+      const auto is_far = [&](Index i) { return sim.model().rest[i].x() > 0.13 && sim.model().rest[i].y() > 0.02; };
+      if (std::ranges::all_of(sim.model().cells[row].particles, is_far)) corner.push_back(row);
+    }
+    sim.remove_cells(corner);
+    EXPECT_GT(std::ranges::count(sim.model().mass, 0.0), 60);
+  }
+  expect_shape_of_steps(sims[0], sims[1], "cut and removed");
+}
+
 TEST(SimulationStatic, SaysWhichJointWouldBreak) {
   Simulation sim(make_tetrahedral_block({0.06, 0.03, 0.03}, 4, 2, 2, 0.2, 1), with_steps_to_the_end(0.3));
   sim.scene().gravity({0, 0, -9.81});
