@@ -83,7 +83,7 @@ void remove_cells(benchmark::State& run) {
 }
 
 /// Ticks of 1 ms in which an edge of 15 mm goes at 5 cm/s through 2,744 particles, on "cpu"; toughness in J/m^2;
-/// contacts 1: the faces of the cut touch.
+/// touch 1: the faces of the cut touch each other; 2: a ball that touches triangles lies beside it.
 void blade_ticks(benchmark::State& run) {
   using Clock = std::chrono::steady_clock;
   phymul::SimulationOptions options;
@@ -92,7 +92,12 @@ void blade_ticks(benchmark::State& run) {
   options.damping.rate = 20.0;
   phymul::Simulation sim(with_spare_particles(tetrahedral_block(14), 300), options);
   sim.scene().fix("z0");
-  if (run.range(1) != 0) sim.scene().contacts({});
+  if (run.range(1) == 1) sim.scene().contacts({});
+  if (run.range(1) == 2) {
+    sim.scene().add_tool("ball", {.shape = phymul::Sphere{0.01},
+                                  .pose = {.position = {0.02, 0.02, 0.069}},
+                                  .contact = phymul::ToolContact::surface});
+  }
   phymul::Mat3 axes;
   axes << 0, 0, 1, 0, -1, 0, 1, 0, 0;
   const phymul::ToolPose first{.position = {0.066, 0.034, 0.06},
@@ -134,10 +139,11 @@ void sizes(benchmark::internal::Benchmark* bench) {
 BENCHMARK(topology_thresholded)->Apply(sizes);
 BENCHMARK(topology_material)->Apply(sizes);
 BENCHMARK(blade_ticks)
-    ->ArgNames({"toughness", "contacts"})
+    ->ArgNames({"toughness", "touch"})
     ->Args({0, 0})
     ->Args({20, 0})
     ->Args({0, 1})
+    ->Args({0, 2})
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(remove_cells)->ArgName("lump")->Arg(1)->Arg(0)->Unit(benchmark::kMillisecond);
 

@@ -101,7 +101,7 @@ class ReferenceSolver final : public SolverBackend {
   void follow_tools() {
     tools_.follow(scene());
     ways_.reserve(tools_.count());
-    touching_.follow(scene());
+    touching_.follow(scene(), tools_.surface());
     shifts_.clear();
     if (!touches()) return;
     touched_.prepare(topology().mass, frame().fixed, topology().dimension == 2);

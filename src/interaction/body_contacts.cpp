@@ -46,38 +46,35 @@ void push(TouchedParticles::Touched& particle, const Vec3& impulse) {
 
 }  // namespace
 
-void BodyContacts::follow(const Scene& scene) {
+void BodyContacts::follow(const Scene& scene, FollowedSurface& surface) {
   contacts_.clear();
   forget();
   if (!scene.contacts()) {
-    surface_ = {};
-    surface_known_ = false;
+    surface_.reset();
     return;
   }
   options_ = *scene.contacts();
-  if (surface_known_ && body_version_ == scene.body_version()) {
+  const std::shared_ptr<const ContactSurface> now = surface.of(scene);
+  if (surface_ == now) {
     candidates_.change(options_);
     return;
   }
-  surface_ = {};  // of no use half made
-  surface_known_ = false;
-  surface_ = make_contact_surface(scene.model());
-  candidates_.follow(surface_, options_);
+  surface_.reset();  // of no use half made
+  candidates_.follow(*now, options_);
+  surface_ = now;
   find_rows();
-  place_.resize(surface_.particles.size());
-  velocity_.resize(surface_.particles.size());
-  surface_known_ = true;
-  body_version_ = scene.body_version();
+  place_.resize(now->particles.size());
+  velocity_.resize(now->particles.size());
 }
 
 void BodyContacts::find_rows() {
   rows_.clear();
   means_.clear();
-  for (const ContactSurface::Particle& particle : surface_.particles) rows_.push_back(particle.row);
+  for (const ContactSurface::Particle& particle : surface_->particles) rows_.push_back(particle.row);
   if (std::ranges::find(rows_, -1) == rows_.end()) return;
   rows_.clear();
   std::map<Index, Index> known;
-  for (const ContactSurface::Particle& particle : surface_.particles) {
+  for (const ContactSurface::Particle& particle : surface_->particles) {
     auto& of = means_.emplace_back(particle.at.particles);
     for (Index& row : of) {
       if (row < 0) continue;
@@ -101,7 +98,7 @@ void BodyContacts::fetch(const TouchedParticles& touched) {
     place_[k].setZero();
     velocity_[k].setZero();
     for (std::size_t v = 0; v < 4 && means_[k][v] >= 0; ++v) {
-      const double weight = surface_.particles[k].at.weights[v];
+      const double weight = surface_->particles[k].at.weights[v];
       place_[k] += weight * row_place_[means_[k][v]];
       velocity_[k] += weight * row_velocity_[means_[k][v]];
     }
@@ -124,18 +121,18 @@ void BodyContacts::find(TouchedParticles& touched) {
   double fastest = 0.0;
   for (const Vec3& velocity : velocity_) fastest = std::max(fastest, (velocity - mean).squaredNorm());
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
-  const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_.longest_edge);
+  const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_->longest_edge);
   // What got into a body is found as far as an edge below its surface.
   const double skins =
-      options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * surface_.longest_edge;
-  const double search_distance = std::max(margin + skins, ContactSurface::depth_factor * surface_.longest_edge);
+      options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * surface_->longest_edge;
+  const double search_distance = std::max(margin + skins, ContactSurface::depth_factor * surface_->longest_edge);
   contacts_.clear();
   candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
     if (const auto found = nearest(list, search_distance)) keep(*found, margin);
   });
   // Not in the lists' order, which depends on when they were made.
   std::ranges::sort(contacts_, {}, [&](const Contact& contact) {
-    return std::pair(contact.particle, surface_.triangles[contact.triangle].body);
+    return std::pair(contact.particle, surface_->triangles[contact.triangle].body);
   });
   shares_.clear();
   for (Contact& contact : contacts_) share_out(contact, touched);
@@ -144,7 +141,7 @@ void BodyContacts::find(TouchedParticles& touched) {
 void BodyContacts::share_out(Contact& contact, TouchedParticles& touched) {
   contact.first = shares_.size();
   const auto add = [&](std::size_t k, double factor) {
-    const ContactSurface::Particle& own = surface_.particles[k];
+    const ContactSurface::Particle& own = surface_->particles[k];
     for (std::size_t v = 0; v < 4 && own.at.particles[v] >= 0; ++v) {
       const std::size_t slot = touched.slot(own.at.particles[v]);
       const auto known = std::find_if(shares_.begin() + static_cast<std::ptrdiff_t>(contact.first), shares_.end(),
@@ -157,7 +154,7 @@ void BodyContacts::share_out(Contact& contact, TouchedParticles& touched) {
     }
   };
   add(contact.particle, 1.0);
-  const auto& corner = surface_.triangles[contact.triangle].corner;
+  const auto& corner = surface_->triangles[contact.triangle].corner;
   for (int c = 0; c < 3; ++c) add(static_cast<std::size_t>(corner[c]), -contact.share[c]);
   contact.end = shares_.size();
   double unbound = 0.0;
@@ -173,7 +170,7 @@ void BodyContacts::share_out(Contact& contact, TouchedParticles& touched) {
 /// in does not matter.
 std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list,
                                                            double search_distance) const {
-  const double facing = 1.01 * ContactSurface::facing_share * surface_.longest_edge;  // and what rounds
+  const double facing = 1.01 * ContactSurface::facing_share * surface_->longest_edge;  // and what rounds
   std::optional<Nearest> best;
   for (const auto& [t, least] : list.triangles) {
     if (least - list.nearer > (best ? best->rank + facing : search_distance)) break;
@@ -189,8 +186,8 @@ std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidat
 /// Nothing where the triangle is further than `search_distance`, m, away, or leads nowhere.
 std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, std::size_t t,
                                                         double search_distance) const {
-  const ContactSurface::Particle& own = surface_.particles[particle];
-  const ContactSurface::Triangle& triangle = surface_.triangles[t];
+  const ContactSurface::Particle& own = surface_->particles[particle];
+  const ContactSurface::Triangle& triangle = surface_->triangles[t];
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
   Nearest found;
   found.particle = particle;
@@ -202,7 +199,7 @@ std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, st
   const Vec3 area = (b - a).cross(c - a);
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
-  found.rank = found.distance - ContactSurface::facing_share * surface_.longest_edge * std::abs(across);
+  found.rank = found.distance - ContactSurface::facing_share * surface_->longest_edge * std::abs(across);
   found.inside = triangle.has_inside && across < 0.0;
   // Far inside its own body a particle has not got in anywhere: the triangle is of its other side.
   if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return {};
@@ -217,10 +214,11 @@ std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, st
 }
 
 void BodyContacts::keep(const Nearest& found, double margin) {
-  const ContactSurface::Particle& own = surface_.particles[found.particle];
-  const ContactSurface::Triangle& triangle = surface_.triangles[found.triangle];
+  const ContactSurface::Particle& own = surface_->particles[found.particle];
+  const ContactSurface::Triangle& triangle = surface_->triangles[found.triangle];
   if (found.inside && is_deep(found.distance, triangle, own)) return;
-  const double gap = (found.inside ? -found.distance : found.distance) - surface_.skins(own, triangle, options_.margin);
+  const double gap =
+      (found.inside ? -found.distance : found.distance) - surface_->skins(own, triangle, options_.margin);
   if (gap > margin) return;
   Contact contact;
   contact.particle = found.particle;

@@ -28,8 +28,8 @@ class BodyContacts {
   BodyContacts(const BodyContacts&) = delete;  // its candidates point to its surface
   BodyContacts& operator=(const BodyContacts&) = delete;
 
-  void follow(const Scene& scene);  ///< allocates
-  bool empty() const { return surface_.particles.empty(); }
+  void follow(const Scene& scene, FollowedSurface& surface);  ///< allocates
+  bool empty() const { return !surface_ || surface_->particles.empty(); }
   void forget() { gone_ = NAN; }  ///< places changed otherwise than step by step
 
   void act(TouchedParticles& touched);
@@ -75,9 +75,7 @@ class BodyContacts {
   void part(const Contact& contact, TouchedParticles& touched) const;
 
   ContactOptions options_;
-  ContactSurface surface_;
-  bool surface_known_ = false;      // and candidates_ of it; it is the model's, whatever else of a scene changes
-  std::uint64_t body_version_ = 0;  // Scene::body_version() that it is of
+  std::shared_ptr<const ContactSurface> surface_;  // and candidates_ of it; null: without contacts
   ContactCandidates candidates_;
   double gone_ = NAN;        // m, PredictedStep::gone() at the last find()
   std::vector<Index> rows_;  // of the model: the surface's particles; where a cut is, what its points are means of

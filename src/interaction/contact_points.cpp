@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "contact_points.h"
 
-#include <phymul/bodies.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -11,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "contact_surface.h"
 #include "tool_shape.h"
 
 namespace phymul {
@@ -45,7 +42,8 @@ const PointList& points_of_triangle(int k) {
 }
 
 void add_particle(ContactPoints& points, Index row) {
-  static const PointList one = std::make_shared<const std::vector<ContactPoints::Shares>>(1, ContactPoints::Shares{1.0});
+  static const PointList one =
+      std::make_shared<const std::vector<ContactPoints::Shares>>(1, ContactPoints::Shares{1.0});
   points.patches.push_back({.corner = {row}, .corners = 1, .points = one, .area = 1.0});
 }
 
@@ -91,11 +89,10 @@ void finish(ContactPoints& points, std::size_t particles) {
 
 }  // namespace
 
-ContactPoints make_contact_points(const Model& model, double least_radius) {
-  const ContactSurface surface = make_contact_surface(model);
-  const std::vector<ConnectedBody> bodies = connected_bodies(model);
+ContactPoints make_contact_points(const ContactSurface& surface, double least_radius) {
   ContactPoints made;
-  std::vector<char> has_triangles(bodies.size(), 0);
+  made.patches.reserve(surface.triangles.size());
+  std::vector<char> has_triangles(surface.bodies, 0);
   for (const ContactSurface::Triangle& triangle : surface.triangles) {
     has_triangles[triangle.body] = 1;
     const auto& [one, other, third] = triangle.corner;
@@ -109,18 +106,20 @@ ContactPoints make_contact_points(const Model& model, double least_radius) {
     patch.area = area / static_cast<double>(patch.points->size());
     set_corners(patch, {surface.particles[one].at, surface.particles[other].at, surface.particles[third].at});
   }
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (has_triangles[b]) continue;
-    for (const Index row : bodies[b].particles) add_particle(made, row);
+  for (Index body = 0; body < surface.bodies; ++body) {
+    if (has_triangles[body] != 0) continue;
+    for (std::size_t row = 0; row < surface.body_of.size(); ++row) {
+      if (surface.body_of[row] == body) add_particle(made, static_cast<Index>(row));
+    }
   }
-  finish(made, model.rest.size());
+  finish(made, surface.body_of.size());
   return made;
 }
 
-ContactPoints make_contact_points(const Model& model, const Tool& tool) {
+ContactPoints make_contact_points(const ContactSurface& surface, const Tool& tool) {
   const std::optional<double> radius = least_radius(tool.shape);
   const bool known = !radius || *radius > 0.0;  // not of a DistanceGrid
-  return make_contact_points(model,
+  return make_contact_points(surface,
                              !known ? 0.0 : radius.value_or(std::numeric_limits<double>::infinity()) + tool.margin);
 }
 

@@ -5,13 +5,14 @@
 // particles.
 #pragma once
 
-#include <phymul/model.h>
 #include <phymul/tool.h>
 
 #include <array>
 #include <memory>
 #include <span>
 #include <vector>
+
+#include "contact_surface.h"
 
 namespace phymul {
 
@@ -35,10 +36,10 @@ struct ContactPoints {
 /// Points of a triangle are the centres of its k^2 like parts, k from 3 to 12: their distance, about the longest edge
 /// over k, is to be at most a third of `least_radius`, m, so that a tool of that radius does not pass between them
 /// where they are drawn apart. `least_radius` may be infinite; 0: not known, k is 6.
-ContactPoints make_contact_points(const Model& model, double least_radius);
+ContactPoints make_contact_points(const ContactSurface& surface, double least_radius);
 
 /// As the tool's radius and margin ask for.
-ContactPoints make_contact_points(const Model& model, const Tool& tool);
+ContactPoints make_contact_points(const ContactSurface& surface, const Tool& tool);
 
 /// All particles, as of ToolContact::particles.
 ContactPoints make_particle_points(const Model& model);

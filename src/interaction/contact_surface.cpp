@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "contact_surface.h"
 
-#include <phymul/bodies.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <span>
 #include <utility>
 
@@ -14,6 +11,7 @@
 #include "model/cell_geometry.h"
 #include "model/surface_facets.h"
 #include "model/tissue_surface.h"
+#include "scene/body_rows.h"
 
 namespace phymul {
 namespace {
@@ -21,34 +19,34 @@ namespace {
 /// Adds one body: its particles by row of the model, and triangles with outward normals.
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const Model& model, ContactSurface& surface) : model_(model), surface_(surface) {}
+  SurfaceBuilder(const Model& model, ContactSurface& surface)
+      : model_(model), surface_(surface), slot_(model.rest.size(), -1) {}
 
-  void add(std::span<const Facet> facets, Index body, bool solid, const std::vector<Index>& particles) {
+  void add(std::span<const Facet> facets, Index body, bool solid) {
+    const std::size_t first = surface_.particles.size();
+    edges_.clear();
     for (const Facet& facet : facets) add(facet, body, solid);
-    if (facets.empty()) {
-      for (const Index i : particles) {
-        if (!model_.mass.empty() && model_.mass[i] == 0.0) continue;  // removed
-        for (const Index* j = model_.neighbours.begin(i); j != model_.neighbours.end(i); ++j) add_edge(i, *j, body);
-      }
+    for (Index i = 0; facets.empty() && i < model_.particle_count(); ++i) {
+      if (surface_.body_of[i] != body) continue;
+      for (const Index* j = model_.neighbours.begin(i); j != model_.neighbours.end(i); ++j) add_edge(i, *j, body);
     }
-    for (const auto& [row, edges] : edges_) {
-      ContactSurface::Particle& particle = surface_.particles[slot_[row]];
-      particle.edge = edges.first / edges.second;
+    for (std::size_t k = 0; k < edges_.size(); ++k) {
+      ContactSurface::Particle& particle = surface_.particles[first + k];
+      particle.edge /= edges_[k];
       surface_.longest_edge = std::max(surface_.longest_edge, particle.edge);
     }
-    edges_.clear();
   }
 
   /// Of a body with cuts its part of the tissue's surface. Edges are those of cells, not of the pieces that a cut makes
   /// of their faces.
-  void add_tissue(const TissueSurface& tissue, const VecList& place, Index body, const std::vector<Index>& body_of) {
+  void add_tissue(const TissueSurface& tissue, const VecList& place, Index body) {
     const std::size_t first = surface_.particles.size();
     if (surface_.is_cut.size() <= static_cast<std::size_t>(body)) surface_.is_cut.resize(body + 1, 0);
     surface_.is_cut[body] = 1;
     std::vector<Index> slot(place.size(), -1);
     for (std::size_t k = 0; k < place.size(); ++k) {
       const TissueVertex& at = tissue.vertices[k];
-      if (body_of[at.particles[0]] != body) continue;
+      if (surface_.body_of[at.particles[0]] != body) continue;
       slot[k] = static_cast<Index>(surface_.particles.size());
       surface_.particles.push_back(
           {.row = at.particles[1] < 0 ? at.particles[0] : -1, .body = body, .at = at, .shares = shares(at)});
@@ -122,21 +120,21 @@ class SurfaceBuilder {
   }
 
   Index slot(Index row, Index body) {
-    const auto [known, fresh] = slot_.try_emplace(row, static_cast<Index>(surface_.particles.size()));
-    if (fresh) {
+    if (slot_[row] < 0) {
+      slot_[row] = static_cast<Index>(surface_.particles.size());
       surface_.particles.push_back({.row = row, .body = body, .at = {{row, -1, -1, -1}, {1.0}}});
       surface_.rest.push_back(model_.rest[row]);
+      edges_.push_back(0);
     }
-    return known->second;
+    return slot_[row];
   }
 
   double add_edge(Index a, Index b, Index body) {
     const double length = (model_.rest[a] - model_.rest[b]).norm();
     for (const Index i : {a, b}) {
-      slot(i, body);
-      auto& [sum, count] = edges_[i];
-      sum += length;
-      ++count;
+      const auto own = static_cast<std::size_t>(slot(i, body));
+      surface_.particles[own].edge += length;
+      ++edges_[own - (surface_.particles.size() - edges_.size())];
     }
     return length;
   }
@@ -162,24 +160,22 @@ class SurfaceBuilder {
 
   const Model& model_;
   ContactSurface& surface_;
-  std::map<Index, Index> slot_;                    // by row of the model
-  std::map<Index, std::pair<double, int>> edges_;  // sum of lengths, count
+  std::vector<Index> slot_;  // [N]
+  std::vector<int> edges_;   // of the particles of the body at hand, at each
 };
 
 }  // namespace
 
-ContactSurface make_contact_surface(const Model& model) {
+ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer) {
   ContactSurface surface;
-  SurfaceBuilder builder(model, surface);
-  const std::vector<ConnectedBody> bodies = connected_bodies(model);
-  std::vector<Index> body_of(model.rest.size(), -1);
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    for (const Index i : bodies[b].particles) body_of[i] = static_cast<Index>(b);
-  }
+  BodyRows rows = body_rows(model);
+  surface.body_of = std::move(rows.of);
+  surface.bodies = rows.count;
+  const std::vector<Index>& body_of = surface.body_of;
   struct Kind {
     bool of_cells = false, solid = false, cut = false;
   };
-  std::vector<Kind> kind(bodies.size());
+  std::vector<Kind> kind(rows.count);
   for (const Cell& cell : model.cells) {
     const Index body = cell.particles.empty() ? -1 : body_of[cell.particles.front()];  // none where all is removed
     if (cell_size(cell.type) == 0 || !(cell.share > 0.0) || body < 0) continue;
@@ -187,30 +183,39 @@ ContactSurface make_contact_surface(const Model& model) {
     kind[body].solid |= is_volume(cell.type);
     kind[body].cut |= !cell.cuts.empty();
   }
-  std::vector<std::vector<Facet>> facets(bodies.size());
+  std::vector<std::vector<Facet>> facets(rows.count);
   const auto add_facets = [&](bool of_cells, auto find) {
     std::vector<char> chosen(model.rest.size(), 0);
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const Index body = body_of[i];
       chosen[i] = body >= 0 && !kind[body].cut && kind[body].of_cells == of_cells;
     }
-    for (Facet& facet : find(model, chosen)) facets[body_of[facet.particles[0]]].push_back(std::move(facet));
+    if (std::ranges::find(chosen, 1) == chosen.end()) return;
+    for (Facet& facet : find(chosen)) facets[body_of[facet.particles[0]]].push_back(std::move(facet));
   };
-  add_facets(true, facets_of_cells);
-  add_facets(false, explicit_facets);
+  add_facets(true, [&](std::span<const char> chosen) { return facets_of_cells(model, chosen, outer); });
+  add_facets(false, [&](std::span<const char> chosen) { return explicit_facets(model, chosen); });
   TissueSurface tissue;
-  if (std::ranges::any_of(kind, &Kind::cut)) tissue = tissue_surface_of(model);
+  if (std::ranges::any_of(kind, &Kind::cut)) tissue = tissue_surface_of(model, outer);
   const VecList place = tissue.at(model.rest);
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const auto body = static_cast<Index>(b);
-    if (kind[b].cut) {
-      builder.add_tissue(tissue, place, body, body_of);
+  SurfaceBuilder builder(model, surface);
+  for (Index body = 0; body < rows.count; ++body) {
+    if (kind[body].cut) {
+      builder.add_tissue(tissue, place, body);
     } else {
-      builder.add(facets[b], body, kind[b].solid, bodies[b].particles);
+      builder.add(facets[body], body, kind[body].solid);
     }
   }
-  if (!surface.is_cut.empty()) surface.is_cut.resize(bodies.size(), 0);
+  if (!surface.is_cut.empty()) surface.is_cut.resize(rows.count, 0);
   return surface;
+}
+
+std::shared_ptr<const ContactSurface> FollowedSurface::of(const Scene& scene) {
+  if (made_ && body_version_ == scene.body_version()) return made_;
+  outer_.follow(scene.model());
+  made_ = std::make_shared<const ContactSurface>(make_contact_surface(scene.model(), outer_));
+  body_version_ = scene.body_version();
+  return made_;
 }
 
 double ContactSurface::distance_at_rest(std::size_t particle_row, const Triangle& triangle) const {

@@ -5,10 +5,15 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/scene.h>
 #include <phymul/surface.h>
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <vector>
+
+#include "model/outer_faces.h"
 
 namespace phymul {
 
@@ -34,6 +39,8 @@ struct ContactSurface {
   std::vector<Triangle> triangles;
   VecList rest;  ///< [particles] m
   double longest_edge = 0.0;
+  std::vector<Index> body_of;  ///< [N] of the model, -1: removed
+  Index bodies = 0;
   std::vector<char> is_cut;  ///< [bodies] 1: it has cuts, as all pieces of a body that was cut have; empty: none has
 
   // Constants of contact, of all backends.
@@ -70,7 +77,21 @@ struct ContactSurface {
 };
 
 /// Of bodies with cuts the surface of the tissue (tissue_surface). Bodies without any facet have particles only, whose
-/// edges are the ways to their neighbours.
-ContactSurface make_contact_surface(const Model& model);
+/// edges are the ways to their neighbours. `outer`: of the model.
+ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer);
+inline ContactSurface make_contact_surface(const Model& model) {
+  return make_contact_surface(model, OuterFaces(model));
+}
+
+/// Of the body of one scene, made anew when it has changed, once for all that touch it.
+class FollowedSurface {
+ public:
+  std::shared_ptr<const ContactSurface> of(const Scene& scene);
+
+ private:
+  OuterFaces outer_;
+  std::shared_ptr<const ContactSurface> made_;
+  std::uint64_t body_version_ = 0;  // Scene::body_version() that it is of
+};
 
 }  // namespace phymul

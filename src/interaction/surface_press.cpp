@@ -35,8 +35,8 @@ int face_of(const ShapeIn<double>& box, const Vec3& q) {
 
 }  // namespace
 
-SurfacePress::SurfacePress(const Model& model, const Tool& tool)
-    : points_(make_contact_points(model, tool)), corner_of_(model.rest.size(), -1) {
+SurfacePress::SurfacePress(const ContactSurface& surface, const Model& model, const Tool& tool)
+    : points_(make_contact_points(surface, tool)), corner_of_(model.rest.size(), -1) {
   corners_.reserve(model.rest.size());
   loaded_.reserve(model.rest.size());
   near_.reserve(points_.patches.size());

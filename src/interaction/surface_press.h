@@ -58,7 +58,7 @@ inline bool is_deep_in(const ShapeIn<double>& shape, const Vector3<double>& star
 class SurfacePress {
  public:
   /// Allocates; act() does not.
-  SurfacePress(const Model& model, const Tool& tool);
+  SurfacePress(const ContactSurface& surface, const Model& model, const Tool& tool);
 
   /// Places changed otherwise than step by step.
   void forget() { gone_ = NAN; }

@@ -55,7 +55,7 @@ ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   if (needle) moving.needle.emplace(*needle, tool.tool.friction, scene.model());
   const auto* blade = std::get_if<Blade>(&tool.tool.shape);
   if (blade) moving.blade.emplace(*blade, scene.model());
-  if (tool.tool.contact == ToolContact::surface) moving.surface.emplace(scene.model(), tool.tool);
+  if (tool.tool.contact == ToolContact::surface) moving.surface.emplace(*surface_.of(scene), scene.model(), tool.tool);
   return moving;
 }
 
@@ -87,7 +87,7 @@ void ToolSet::follow_body(const Scene& scene) {
     if (tool.needle) tool.needle->follow_body(scene.model());
     if (tool.blade) tool.blade->follow_body();
     const auto own = std::ranges::find(scene.tools(), tool.moved.id, &SceneTool::id);
-    if (tool.surface) tool.surface.emplace(scene.model(), own->tool);
+    if (tool.surface) tool.surface.emplace(*surface_.of(scene), scene.model(), own->tool);
   }
   body_version_ = scene.body_version();
 }

@@ -28,6 +28,7 @@ class ToolSet {
   /// Takes over the scene's tools after a change; tools that stay keep what they hold. Allocates.
   void follow(const Scene& scene);
   bool empty() const { return tools_.empty() && threads_.empty(); }
+  FollowedSurface& surface() { return surface_; }  ///< of the scene that follow() takes
   const ThreadState& thread(const SceneThread& wanted) const { return threads_.state(wanted); }
   std::size_t count() const { return tools_.size(); }
 
@@ -72,7 +73,7 @@ class ToolSet {
   };
 
   void follow_body(const Scene& scene);
-  static Moving made(const SceneTool& tool, const Scene& scene);
+  Moving made(const SceneTool& tool, const Scene& scene);
   void take_hold(Moving& tool, TouchedParticles& touched);
   void hold(Moving& tool, TouchedParticles& touched);
   void act_by_threads(TouchedParticles& touched);
@@ -81,6 +82,7 @@ class ToolSet {
 
   bool at_once_ = false;  // of the last begin_call()
   std::vector<Moving> tools_;
+  FollowedSurface surface_;
   ThreadSet threads_;
   std::vector<Index> found_;
   std::uint64_t body_version_ = 0;  // Scene::body_version() that needles and surfaces are of

@@ -10,9 +10,9 @@ namespace phymul {
 
 class Touching {
  public:
-  /// Takes over a scene after a change. Allocates.
-  void follow(const Scene& scene) {
-    contacts_.follow(scene);
+  /// Takes over a scene after a change. Allocates. `surface`: of it.
+  void follow(const Scene& scene, FollowedSurface& surface) {
+    contacts_.follow(scene, surface);
     volumes_.follow(scene);
   }
   void forget() { contacts_.forget(); }  ///< places changed otherwise than step by step

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -40,61 +40,64 @@ struct FaceKey {
     };
     high = pair(0);
     low = pair(2);
-    least = of[0] >= 0 ? of[0] : of[1] >= 0 ? of[1] : of[2];
-    four = of[0] >= 0;
   }
-  Index least = -1;
-  bool four = false;
-  bool operator==(const FaceKey& other) const { return high == other.high && low == other.low; }
-  bool operator<(const FaceKey& other) const { return high != other.high ? high < other.high : low < other.low; }
+  auto operator<=>(const FaceKey&) const = default;
 };
 
-/// Calls visit(std::span<const OuterFace>) for each face all of whose particles are chosen(particle), once: in order of
-/// their sorted particles, those of fewer particles first, and then of cells. Where a cut ends inside the body both
-/// parts of a cell have the same face, and the span has both.
-template <class Chosen, class Visit>
-void each_outer_face(const Model& model, Chosen chosen, Visit visit) {
-  struct Entry {
-    FaceKey key;
-    OuterFace face;
-  };
-  // Counted by their first particle, so that only what shares it is sorted.
-  const std::size_t count = model.rest.size();
-  const auto bin = [&](const FaceKey& key) { return (key.four ? count : 0) + static_cast<std::size_t>(key.least); };
-  std::vector<Entry> entries;
-  entries.reserve(4 * model.cells.size());
-  std::vector<Index> end(2 * count + 1, 0);
-  for (const Cell& cell : model.cells) {
-    if (!is_solid(model.dimension, cell)) continue;
-    each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
-      if (!std::ranges::all_of(ring, [&](Index i) { return i < 0 || chosen(i); })) return;
-      entries.push_back({FaceKey(ring), {&cell, ring}});
-      ++end[bin(entries.back().key) + 1];
-    });
-  }
-  std::partial_sum(end.begin(), end.end(), end.begin());
-  std::vector<Index> rows(entries.size()), at(end.begin(), end.end() - 1);  // of entries
-  for (std::size_t row = 0; row < entries.size(); ++row) rows[at[bin(entries[row].key)]++] = static_cast<Index>(row);
-  std::vector<OuterFace> faces;
-  for (std::size_t b = 0; b + 1 < end.size(); ++b) {
-    const auto in_bin = std::span(rows).subspan(end[b], end[b + 1] - end[b]);
-    std::ranges::sort(in_bin, [&](Index one, Index other) {
-      const FaceKey &a = entries[one].key, &c = entries[other].key;
-      return a == c ? one < other : a < c;
-    });
-    for (std::size_t from = 0, to = 0; from < in_bin.size(); from = to) {
-      const Entry& first = entries[in_bin[from]];
-      for (to = from + 1; to < in_bin.size() && entries[in_bin[to]].key == first.key;) ++to;
-      const auto group = in_bin.subspan(from, to - from);
-      const auto of_one_cell = [&](Index row) {
-        return cell_centre(*entries[row].face.cell, model.rest) == cell_centre(*first.face.cell, model.rest);
-      };
-      if (group.size() > 1 && (first.face.cell->cuts.empty() || !std::ranges::all_of(group, of_one_cell))) continue;
-      faces.clear();
-      for (const Index row : group) faces.push_back(entries[row].face);
-      visit(std::span<const OuterFace>(faces));
+/// Found once for a body, and followed while its cells change.
+class OuterFaces {
+ public:
+  OuterFaces() = default;
+  explicit OuterFaces(const Model& model) { follow(model); }
+
+  /// Looks at all cells, and does more for those alone that are others than at the last call.
+  void follow(const Model& model);
+
+  /// Calls visit(std::span<const OuterFace>) for each face of the model that was followed, in order of their sorted
+  /// particles, those of fewer particles first. Where a cut ends inside the body both parts of a cell have the same
+  /// face, and the span has both, in order of cells.
+  template <class Visit>
+  void each(const Model& model, Visit visit) const {
+    std::vector<OuterFace> found;
+    std::vector<Index> places;
+    for (const Index row : outer_) {
+      places_of(row, places);
+      found.clear();
+      for (const Index place : places) {
+        const Cell& cell = model.cells[place / most_faces];
+        Index face = 0;
+        each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
+          if (face++ == place % most_faces) found.push_back({&cell, ring});
+        });
+      }
+      visit(std::span<const OuterFace>(found));
     }
   }
-}
+
+ private:
+  static constexpr Index most_faces = 6;  // of a cell
+  using Corners = std::array<Index, 8>;   // of a cell, -1 at the end where there are fewer
+  static constexpr Corners none{-1, -1, -1, -1, -1, -1, -1, -1};
+  struct Face {
+    FaceKey key;
+    Index first = -1;  // place, and next_ of it, and so on
+    bool changed = false, outer = false;
+  };
+
+  Index row_of(const FaceKey& key);
+  void grow();
+  void take_out(Index cell);
+  void put_in(int dimension, const Cell& cell, Index row);
+  void mark(Index face);
+  void places_of(Index face, std::vector<Index>& places) const;  // ascending
+  bool is_outer(const Model& model, Index face, std::vector<Index>& places) const;
+
+  std::vector<Corners> known_;  // [cells]; none: it is not there
+  // Place: of a face of a cell, most_faces times the cell's row and the face's number in it.
+  std::vector<Index> next_, face_of_;   // [places] of the same face; rows of faces_; -1: none
+  std::vector<Face> faces_;             // also those that no cell has any more
+  std::vector<Index> table_;            // rows of faces_, by their hashes; -1: free
+  std::vector<Index> changed_, outer_;  // rows of faces_, the latter by their keys
+};
 
 }  // namespace phymul

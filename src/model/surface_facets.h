@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "outer_faces.h"
+
 namespace phymul {
 
 struct Facet {
@@ -20,8 +22,9 @@ struct Facet {
 /// volume cell has; in a model without volume cells its triangles and quads as they are wound. In 2-D: the edges of
 /// exactly one triangle or quad, else the lines.
 std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen);
-/// Of them those of volume cells (2-D: of triangles and quads), and those that are cells themselves.
-std::vector<Facet> facets_of_cells(const Model& model, std::span<const char> chosen);
+/// Of them those of volume cells (2-D: of triangles and quads), `outer` of the model, and those that are cells
+/// themselves.
+std::vector<Facet> facets_of_cells(const Model& model, std::span<const char> chosen, const OuterFaces& outer);
 std::vector<Facet> explicit_facets(const Model& model, std::span<const char> chosen);
 
 /// All facets as triangles, counter-clockwise seen from outside whatever the winding of their cells: of a ring of four

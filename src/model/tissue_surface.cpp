@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "cell_geometry.h"
-#include "outer_faces.h"
 #include "tissue_surface.h"
 
 namespace phymul {
@@ -65,14 +65,12 @@ Polygon section(const CellCut& cut) {
 
 class TissueSurfaceBuilder {
  public:
-  explicit TissueSurfaceBuilder(const Model& model) : model_(model) {}
+  explicit TissueSurfaceBuilder(const Model& model) : model_(model), of_particle_(model.rest.size(), -1) {}
 
-  TissueSurface build() {
-    each_outer_face(
-        model_, [](Index) { return true; },
-        [&](std::span<const OuterFace> faces) {
-          for (const OuterFace& face : faces) add_face(*face.cell, face.ring);
-        });
+  TissueSurface build(const OuterFaces& outer) {
+    outer.each(model_, [&](std::span<const OuterFace> faces) {
+      for (const OuterFace& face : faces) add_face(*face.cell, face.ring);
+    });
     for (const Cell& cell : model_.cells) {
       if (is_solid(model_.dimension, cell)) add_cuts(cell);
     }
@@ -81,10 +79,10 @@ class TissueSurfaceBuilder {
 
  private:
   void add_face(const Cell& cell, const std::array<Index, 4>& ring) {
-    if (cell.type != CellType::tetrahedron) {
+    if (cell.cuts.empty()) {  // as of all cells but tetrahedra
       std::vector<Index> corners;
       for (const Index i : ring) {
-        if (i >= 0) corners.push_back(vertex({{i, 1.0}}));
+        if (i >= 0) corners.push_back(vertex(i));
       }
       add_fan(corners, false);
       return;
@@ -121,12 +119,7 @@ class TissueSurfaceBuilder {
   void add(const Cell& cell, const Polygon& polygon, bool of_cut) {
     std::vector<Index> corners;
     for (const Corner& at : polygon) {
-      std::vector<std::pair<Index, double>> weights;
-      for (std::size_t v = 0; v < 4; ++v) {
-        const double weight = at[static_cast<Eigen::Index>(v)];
-        if (std::abs(weight) > one_vertex) weights.emplace_back(cell.particles[v], weight);
-      }
-      const Index made = vertex(std::move(weights));
+      const Index made = vertex(cell, at);
       if (corners.empty() || (corners.back() != made && corners.front() != made)) corners.push_back(made);
     }
     add_fan(corners, of_cut);
@@ -139,36 +132,52 @@ class TissueSurfaceBuilder {
     }
   }
 
-  Index vertex(std::vector<std::pair<Index, double>> weights) {
-    std::ranges::sort(weights);
-    std::vector<std::pair<Index, std::int64_t>> key;
-    for (const auto& [i, weight] : weights) key.emplace_back(i, std::llround(weight / one_vertex));
-    const auto [known, is_new] = known_.try_emplace(std::move(key), static_cast<Index>(surface_.vertices.size()));
+  Index vertex(Index particle) {
+    Index& known = of_particle_[particle];
+    if (known < 0) {
+      known = static_cast<Index>(surface_.vertices.size());
+      surface_.vertices.push_back({{particle, -1, -1, -1}, {1.0}});
+    }
+    return known;
+  }
+
+  Index vertex(const Cell& cell, const Corner& at) {
+    std::array<std::pair<Index, double>, 4> weights;
+    weights.fill({-1, 0.0});
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < 4; ++v) {
+      const double weight = at[static_cast<Eigen::Index>(v)];
+      if (std::abs(weight) > one_vertex) weights[count++] = {cell.particles[v], weight};
+    }
+    if (count == 1) return vertex(weights[0].first);
+    std::sort(weights.begin(), weights.begin() + count);
+    Key key;
+    for (std::size_t k = 0; k < 4; ++k) key[k] = {weights[k].first, std::llround(weights[k].second / one_vertex)};
+    const auto [known, is_new] = known_.try_emplace(key, static_cast<Index>(surface_.vertices.size()));
     if (is_new) {
       TissueVertex& made = surface_.vertices.emplace_back();
-      for (std::size_t k = 0; k < weights.size(); ++k) {
-        made.particles[k] = weights[k].first;
-        made.weights[k] = weights[k].second;
-      }
+      for (std::size_t k = 0; k < 4; ++k) std::tie(made.particles[k], made.weights[k]) = weights[k];
     }
     return known->second;
   }
 
   const Model& model_;
   TissueSurface surface_;
-  std::map<std::vector<std::pair<Index, std::int64_t>>, Index> known_;
+  using Key = std::array<std::pair<Index, std::int64_t>, 4>;
+  std::vector<Index> of_particle_;  // [N] vertices that are particles; -1: not yet
+  std::map<Key, Index> known_;      // the others
 };
 
 }  // namespace
 
-TissueSurface tissue_surface_of(const Model& model) {
-  return TissueSurfaceBuilder(model).build();
+TissueSurface tissue_surface_of(const Model& model, const OuterFaces& outer) {
+  return TissueSurfaceBuilder(model).build(outer);
 }
 
 TissueSurface tissue_surface(const Model& model) {
   validate(model);
   if (model.dimension == 2) throw Error("tissue_surface: expected a body in three dimensions");
-  return tissue_surface_of(model);
+  return tissue_surface_of(model, OuterFaces(model));
 }
 
 bool has_cuts(const Model& model) {

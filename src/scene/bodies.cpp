@@ -8,6 +8,7 @@
 
 #include "base/file_error.h"
 #include "base/union_find.h"
+#include "body_rows.h"
 #include "model/body_type.h"
 #include "model/cell_geometry.h"
 #include "model/file_extras.h"
@@ -106,6 +107,11 @@ void append_components(Model& all, const NamedBody& body, Index first, Index fir
   all.components.push_back(std::move(own));
 }
 
+/// Lists only name particles.
+bool joins(const Cell& cell, char is_joint) {
+  return cell_size(cell.type) != 0 && cell.share != 0.0 && is_joint == 0;
+}
+
 }  // namespace
 
 Model merge_models(std::span<const NamedBody> bodies) {
@@ -140,7 +146,7 @@ Load for_merged(Load load, Index first) {
   return load;
 }
 
-std::vector<ConnectedBody> connected_bodies(const Model& model) {
+BodyRows body_rows(const Model& model) {
   UnionFind sets(model.rest.size());
   // Lists of neighbours do not follow cuts and removals.
   const bool whole = std::ranges::all_of(model.cells, [](const Cell& cell) { return cell.share == 1.0; });
@@ -149,26 +155,32 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
   }
   const std::vector<char> joints = interaction_cells(model);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    const Cell& cell = model.cells[row];
-    // Lists only name particles.
-    if (cell_size(cell.type) == 0 || cell.share == 0.0 || joints[row]) continue;
-    for (const Index i : cell.particles) sets.join(cell.particles.front(), i);
+    if (!joins(model.cells[row], joints[row])) continue;
+    for (const Index i : model.cells[row].particles) sets.join(model.cells[row].particles.front(), i);
   }
-  std::vector<ConnectedBody> bodies;
+  BodyRows rows{std::vector<Index>(model.rest.size(), -1), 0};
   std::vector<Index> row_of(model.rest.size(), -1);  // of roots
   for (Index i = 0; i < model.particle_count(); ++i) {
     if (!model.mass.empty() && model.mass[i] == 0.0) continue;  // of surfaces alone there are no masses
     Index& row = row_of[sets.root(i)];
-    if (row < 0) {
-      row = static_cast<Index>(bodies.size());
-      bodies.emplace_back();
-    }
-    bodies[row].particles.push_back(i);
+    if (row < 0) row = rows.count++;
+    rows.of[i] = row;
   }
+  return rows;
+}
+
+std::vector<ConnectedBody> connected_bodies(const Model& model) {
+  const BodyRows rows = body_rows(model);
+  std::vector<ConnectedBody> bodies(rows.count);
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (rows.of[i] >= 0) bodies[rows.of[i]].particles.push_back(i);
+  }
+  const std::vector<char> joints = interaction_cells(model);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
-    if (cell_size(cell.type) == 0 || cell.share == 0.0 || joints[row]) continue;
-    const Index own = row_of[sets.root(cell.particles.front())];
+    if (!joins(cell, joints[row])) continue;
+    Index own = -1;
+    for (const Index i : cell.particles) own = std::max(own, rows.of[i]);
     if (own < 0) continue;  // a triangle that lies where all is removed
     ConnectedBody& body = bodies[own];
     body.cells.push_back(static_cast<Index>(row));
@@ -178,8 +190,8 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
   for (const Component& component : model.components) {
     if (component.name.empty() || !seen.insert(component.name).second) continue;
     const std::vector<Index> group = model.group(component.name);
-    if (group.empty() || row_of[sets.root(group.front())] < 0) continue;
-    ConnectedBody& body = bodies[row_of[sets.root(group.front())]];
+    if (group.empty() || rows.of[group.front()] < 0) continue;
+    ConnectedBody& body = bodies[rows.of[group.front()]];
     const bool shorter = body.name.empty() || component.name.size() < body.name.size();
     if (shorter && body.particles == group) body.name = component.name;
   }

@@ -39,7 +39,7 @@ TouchNow::TouchNow(const Scene& scene, const TopologyTextures& topology, const S
   scene.evaluate(state.time + dt, loads_);
   tools_.follow(scene);
   tools_.reset(scene, state);
-  touching_.follow(scene);
+  touching_.follow(scene, tools_.surface());
   touched_.prepare(topology.mass, loads_.fixed, topology.dimension == 2);
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <random>
 
+#include "model/outer_faces.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -64,15 +65,29 @@ TEST(Cut, LeavesTheTablesOfABodyBuiltAnew) {
   }
 }
 
+/// In order, each by the particles of the cells that have it and by their rows.
+std::vector<std::array<Index, 6>> list_of(const OuterFaces& outer, const Model& model) {
+  std::vector<std::array<Index, 6>> list;
+  outer.each(model, [&](std::span<const OuterFace> faces) {
+    for (const OuterFace& face : faces) {
+      const auto& [a, b, c, d] = face.ring;
+      list.push_back(
+          {static_cast<Index>(faces.size()), static_cast<Index>(face.cell - model.cells.data()), a, b, c, d});
+    }
+  });
+  return list;
+}
+
 /// Strokes, removals and returns in any order.
-TEST(Cut, RandomEditsLeaveNoStaleRow) {
+void edit_at_random(int edits) {
   Model model = slab();
   set_material(model, {5e3, 0.4, 1000.0});
   Simulation sim(with_spare_particles(model, 900), options_for("reference"));
   std::vector<Snapshot> kept{sim.snapshot()};
   std::mt19937 random(11);
   int cuts = 0, refused = 0;
-  for (int edit = 1; edit <= 1000; ++edit) {
+  OuterFaces outer;
+  for (int edit = 1; edit <= edits; ++edit) {
     const auto count = static_cast<Index>(sim.model().cells.size());
     if (random() % 3 == 0) {
       sim.remove_cells(std::vector<Index>{static_cast<Index>(random() % count)});
@@ -88,16 +103,27 @@ TEST(Cut, RandomEditsLeaveNoStaleRow) {
       }
     }
     if (edit % 7 == 0 && kept.size() < 20) kept.push_back(sim.snapshot());
-    if (edit % 20 != 0) continue;
+    if (edit % 3 == 0) outer.follow(sim.model());
+    if (edit % (edits / 50) != 0) continue;
+    outer.follow(sim.model());
+    ASSERT_EQ(list_of(outer, sim.model()), list_of(OuterFaces(sim.model()), sim.model())) << edit;
     ASSERT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12) << edit;
     validate(sim.model());
   }
-  EXPECT_GT(cuts, 300);
-  EXPECT_GT(refused, 10);
+  EXPECT_GT(cuts, 3 * edits / 10);
+  EXPECT_GT(refused, edits / 100);
   sim.restore(kept.front());
   EXPECT_EQ(sim.solver().topology_hash(), kept.front().topology_hash);
   const Simulation fresh(with_spare_particles(model, 900), options_for("reference"));
   EXPECT_TRUE(sim.model() == fresh.model());
+}
+
+TEST(Cut, RandomEditsLeaveNoStaleRow) {
+  edit_at_random(1000);
+}
+
+TEST(LongCut, TenThousandRandomEditsLeaveNoStaleRow) {
+  edit_at_random(10000);
 }
 
 class CutOn : public OnEveryBackend {};

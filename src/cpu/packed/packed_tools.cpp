@@ -136,7 +136,7 @@ PackedTools::PackedTools(const PackedBody& body, const TopologyTextures& topolog
 
 void PackedTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed) {
   set_.follow(scene);
-  touching_.follow(scene);
+  touching_.follow(scene, set_.surface());
   shifts_.clear();
   pushed_.clear();
   load_.clear();
