@@ -36,7 +36,6 @@ phymul::ToolPose scalpel_at(double side, double way) {
   return {.position = apex + (way - stroke) * forward, .orientation = phymul::Quaternion(Eigen::Quaterniond(axes))};
 }
 
-/// The body as it is: its skin is that of the tissue, with the faces of cuts.
 class Pictures {
  public:
   Pictures(const phymul::Simulation& sim, const ExampleOptions& options) : sim_(sim), options_(options) {
@@ -48,16 +47,10 @@ class Pictures {
   }
 
   void draw(const std::string& title, const std::string& subtitle, std::vector<PictureTool> tools, const char* file) {
-    const phymul::TissueSurface surface = tissue_surface(sim_.model());
-    const phymul::Skin skin(sim_.model(), surface);
-    const phymul::Model visible = triangle_body(surface.at(sim_.model().rest), surface.triangles);
-    phymul::State seen;
-    seen.position = skin.deform(sim_.state().position);
-    seen.velocity.assign(seen.position.size(), Vec3::Zero());
     sheet_.title = title;
     sheet_.subtitle = subtitle;
     sheet_.tools = std::move(tools);
-    ScenePictures(visible).draw(seen, sheet_, options_.file(file));
+    draw_tissue(sim_.model(), sim_.state(), sheet_, options_.file(file));
   }
 
  private:

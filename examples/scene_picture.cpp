@@ -4,6 +4,8 @@
 #include <phymul/camera.h>
 #include <phymul/error.h>
 #include <phymul/monitor.h>
+#include <phymul/shapes.h>
+#include <phymul/surface.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -272,6 +274,16 @@ void ScenePictures::draw(const phymul::State& state, const ScenePictureOptions& 
   const double end = draw_length_bar(canvas.cairo(), side_margin, y, 0.2 * options.width, scale);
   draw_key(canvas.cairo(), end + 75.0, y, key_of(options, deformed));
   canvas.save(path);
+}
+
+void draw_tissue(const phymul::Model& model, const phymul::State& state, const ScenePictureOptions& options,
+                 const std::string& path) {
+  const phymul::TissueSurface surface = tissue_surface(model);
+  const phymul::Model visible = triangle_body(surface.at(model.rest), surface.triangles);
+  phymul::State seen;
+  seen.position = surface.at(state.position);
+  seen.velocity.assign(seen.position.size(), Vec3::Zero());
+  ScenePictures(visible).draw(seen, options, path);
 }
 
 std::vector<char> cells_beyond(const phymul::Model& model, const Vec3& point, const Vec3& normal) {

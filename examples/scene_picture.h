@@ -65,5 +65,9 @@ class ScenePictures {
   std::vector<char> on_surface_, on_outline_;  // [particles]
 };
 
+/// The tissue that cuts and removals have left, with the faces of cuts (tissue_surface), as it is now.
+void draw_tissue(const phymul::Model& model, const phymul::State& state, const ScenePictureOptions& options,
+                 const std::string& path);
+
 /// Cells whose middle lies on that side of the plane to which the normal points: what is left of a body cut open.
 std::vector<char> cells_beyond(const phymul::Model& model, const phymul::Vec3& point, const phymul::Vec3& normal);

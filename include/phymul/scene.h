@@ -9,6 +9,7 @@
 #include <phymul/joint.h>
 #include <phymul/load.h>
 #include <phymul/model.h>
+#include <phymul/tearing.h>
 #include <phymul/thread.h>
 #include <phymul/tool.h>
 
@@ -280,6 +281,14 @@ class Scene {
   /// Error as add_tool() and add_joint() do, and then changes nothing.
   Scene& bring_back(const SceneParts& parts);
 
+  /// From the next call of Simulation on, cells tear (phymul/tearing.h): all of the model, or those of one of its
+  /// materials. Each call parts at most one row of cells along each front, as a cut (Simulation::cuts(),
+  /// StepReport::torn). Needs a body of tetrahedra with spare particles (with_spare_particles). Throws Error for values
+  /// out of their range, a 2-D model or one without materials, and a material that the model has not.
+  Scene& tear(const Tearing& law);
+  Scene& tear(const Material& material, const Tearing& law);
+  const std::vector<Tearing>& tearing() const { return tearing_; }  ///< by Model::materials; empty: nothing tears
+
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
   const std::vector<VolumeConstraint>& volume_constraints() const { return volume_constraints_; }
@@ -346,6 +355,7 @@ class Scene {
   std::vector<Action> actions_;  // per load
   Vec3 gravity_{0, 0, 0};
   std::vector<double> stiffness_factors_;
+  std::vector<Tearing> tearing_;
   std::vector<VolumeConstraint> volume_constraints_;
   std::optional<ContactOptions> contacts_;
   std::vector<SceneTool> tools_;

@@ -27,6 +27,25 @@ void require_factor(const Model& model, double factor) {
   throw Error("scale_stiffness: expected a factor from 1e-6 to 1e6, got " + to_decimal(factor));
 }
 
+std::size_t row_of(const Model& model, const Material& material, const std::string& who) {
+  const auto known = std::ranges::find(model.materials, material);
+  if (known != model.materials.end()) return static_cast<std::size_t>(known - model.materials.begin());
+  std::string moduli;
+  for (const Material& own : model.materials) moduli += (moduli.empty() ? "" : ", ") + to_decimal(own.young);
+  throw Error(who + ": expected a material of the model, whose Young's moduli are " + moduli +
+              " Pa; got another one, of " + to_decimal(material.young) + " Pa");
+}
+
+void require_tearing(const Model& model, const Tearing& law) {
+  if (model.dimension == 2 || model.materials.empty()) {
+    throw Error("tear: expected a body in three dimensions with a material; use set_material first");
+  }
+  for (const auto& [value, name] : {std::pair(law.toughness, "a toughness, J/m^2,"), {law.radius, "a radius, m,"}}) {
+    if (value >= 0.0 && std::isfinite(value)) continue;
+    throw Error(std::string("tear: expected ") + name + " of at least 0, got " + to_decimal(value));
+  }
+}
+
 }  // namespace
 
 Scene& Scene::scale_stiffness(double factor) {
@@ -37,17 +56,24 @@ Scene& Scene::scale_stiffness(double factor) {
 
 Scene& Scene::scale_stiffness(const Material& material, double factor) {
   require_factor(*model_, factor);
-  const auto known = std::ranges::find(model_->materials, material);
-  if (known == model_->materials.end()) {
-    std::string moduli;
-    for (const Material& own : model_->materials) moduli += (moduli.empty() ? "" : ", ") + to_decimal(own.young);
-    throw Error("scale_stiffness: expected a material of the model, whose Young's moduli are " + moduli +
-                " Pa; got another one, of " + to_decimal(material.young) + " Pa");
-  }
   std::vector<double> factors = stiffness_factors_;
   factors.resize(model_->materials.size(), 1.0);
-  factors[static_cast<std::size_t>(known - model_->materials.begin())] = factor;
+  factors[row_of(*model_, material, "scale_stiffness")] = factor;
   set_factors(std::move(factors));
+  return *this;
+}
+
+Scene& Scene::tear(const Tearing& law) {
+  require_tearing(*model_, law);
+  tearing_.assign(law.toughness > 0.0 ? model_->materials.size() : 0, law);
+  return *this;
+}
+
+Scene& Scene::tear(const Material& material, const Tearing& law) {
+  require_tearing(*model_, law);
+  const std::size_t row = row_of(*model_, material, "tear");
+  tearing_.resize(model_->materials.size());
+  tearing_[row] = law;
   return *this;
 }
 

@@ -158,6 +158,7 @@ void Simulation::Parts::state_changed() {
 StepReport Simulation::Parts::step(int n, double dt) {
   StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
   if (report.ok()) cut_with_blades(report);
+  if (report.ok()) tear(report);
   if (history) history->follow(solver(), report);
   return report;
 }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "elastic/scaled_tables.h"
+#include "tears.h"
 #include "topology/body_edit.h"
 
 namespace phymul {
@@ -40,6 +41,7 @@ struct Simulation::Parts {
 
   StepReport step(int n, double dt);
   void cut_with_blades(StepReport& report);  ///< after the steps of a call
+  void tear(StepReport& report);             ///< after that
   RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
   RestResult run_to_rest(int max_steps, double dt);  ///< with a damping that it chooses
 
@@ -49,6 +51,8 @@ struct Simulation::Parts {
   std::shared_ptr<TopologyTextures> topology;
   std::unique_ptr<BodyEdit> edit;                 ///< of model and topology, by body_edit()
   std::map<std::uint64_t, ToolPose> blade_poses;  ///< by SceneTool::id, where cut_with_blades() saw them last
+  Tears tears;
+  std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;
 
   struct Start {
