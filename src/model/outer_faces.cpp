@@ -15,17 +15,17 @@ std::size_t hash_of(const FaceKey& key) {
 void OuterFaces::follow(const Model& model) {
   const auto count = static_cast<Index>(model.cells.size());
   for (auto row = static_cast<Index>(known_.size()); row-- > count;) take_out(row);
-  known_.resize(model.cells.size(), none);
+  known_.resize(model.cells.size(), none());
   next_.resize(model.cells.size() * most_faces, -1);
   face_of_.resize(next_.size(), -1);
   for (Index row = 0; row < count; ++row) {
     const Cell& cell = model.cells[row];
-    Corners now = none;
+    Corners now = none();
     if (is_solid(model.dimension, cell)) std::ranges::copy(cell.particles, now.begin());
     if (now == known_[row]) continue;
     take_out(row);
     known_[row] = now;
-    if (now != none) put_in(model.dimension, cell, row);
+    if (now != none()) put_in(model.dimension, cell, row);
   }
   std::vector<Index> places;
   bool same = true;
@@ -66,7 +66,7 @@ void OuterFaces::grow() {
 }
 
 void OuterFaces::take_out(Index cell) {
-  known_[cell] = none;
+  known_[cell] = none();
   for (Index place = cell * most_faces; place < (cell + 1) * most_faces; ++place) {
     const Index face = std::exchange(face_of_[place], -1);
     if (face < 0) continue;

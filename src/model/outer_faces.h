@@ -77,7 +77,7 @@ class OuterFaces {
  private:
   static constexpr Index most_faces = 6;  // of a cell
   using Corners = std::array<Index, 8>;   // of a cell, -1 at the end where there are fewer
-  static constexpr Corners none{-1, -1, -1, -1, -1, -1, -1, -1};
+  static constexpr Corners none() { return {-1, -1, -1, -1, -1, -1, -1, -1}; }
   struct Face {
     FaceKey key;
     Index first = -1;  // place, and next_ of it, and so on
