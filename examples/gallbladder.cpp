@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// gallbladder [--out DIR] [--quick]: a thin bag filled with bile, held at its neck. A probe presses it while its duct
-// is closed, so that its pressure rises; then the duct opens and it empties under the probe. Writes force, pressure and
-// volume (gallbladder.csv), and pictures.
+// gallbladder [--out DIR] [--quick]: a thin bag filled with bile, held at its neck and lying on a liver. A probe
+// presses it while its duct is closed, so that its pressure rises; then the duct opens and it empties under the probe.
+// Writes force, pressure and volume (gallbladder.csv), and pictures.
 #include <phymul/phymul.h>
 
 #include <algorithm>
@@ -15,10 +15,10 @@ namespace {
 
 using phymul::Vec3;
 
-constexpr double radius = 0.018, half_length = 0.040;  // m
+constexpr double radius = 0.016, half_length = 0.038;  // m
 constexpr double tick = 1e-3;                          // s
-constexpr double duct = 2e-8;                          // m^3/(Pa s)
-const phymul::Material wall{.young = 30e3, .poisson = 0.45, .density = 1050, .thickness = 2e-3};
+constexpr double duct = 6e-8;                          // m^3/(Pa s)
+const phymul::Material wall{.young = 50e3, .poisson = 0.45, .density = 1050, .thickness = 2e-3};
 const phymul::Sphere tip{0.010};
 
 /// A pear along x, its neck at high x.
@@ -45,8 +45,15 @@ void run(const ExampleOptions& options) {
   phymul::Simulation sim(bag, {.backend = "cpu", .damping = {.rate = 15}, .solver = {.threads = 1}});
   sim.scene().fix(bag.particles_in([](const Vec3& place) { return place.x() > 0.85 * half_length; }));
   sim.scene().constrain_volume({.triangles = triangles, .volume = full, .applied_to = {}, .name = "bile"});
-  const Vec3 above(-0.010, 0.0, 1.26 * radius + 0.011);
-  const auto probe = sim.scene().add_tool("probe", {.shape = tip, .pose = {.position = above}});
+  double low = 0.0, high = 0.0;
+  for (const Vec3& place : bag.rest) {
+    low = std::min(low, place.z());
+    high = std::max(high, place.z());
+  }
+  sim.scene().add_tool("liver",
+                       {.shape = phymul::HalfSpace{}, .pose = {.position = {0, 0, low - 1e-4}}, .friction = 0.5});
+  const Vec3 above(-0.015, 0.0, high + tip.radius + 1e-3);
+  const auto probe = sim.scene().add_tool("probe", {.shape = tip, .pose = {.position = above}, .friction = 0.5});
   std::printf("%d particles, %.1f ml\n", bag.particle_count(), 1e6 * full);
 
   ScenePictures pictures(bag);
@@ -62,7 +69,7 @@ void run(const ExampleOptions& options) {
     pictures.draw(sim.state(), sheet, options.file(file));
   };
   Curve curve(options.file("gallbladder.csv"), "time_s,probe_N,pressure_Pa,volume_ml");
-  const double depth = 0.014, slow = options.quick ? 0.25 : 1.0;
+  const double depth = 0.013, slow = options.quick ? 0.25 : 1.0;
   const auto advance_by = [&](double seconds, const auto& way) {
     for (double time = 0.0; time < seconds; time += tick) {
       probe.move_to({.position = above - Vec3(0, 0, way(time / seconds))});
@@ -77,7 +84,7 @@ void run(const ExampleOptions& options) {
   const double pressed = sim.force_on(probe).mean_force.norm(), pressure = sim.solver().fluid("bile").pressure;
   const double change = enclosed(triangles, sim.state().position) / full - 1.0;
   draw("1. A probe presses a full gallbladder", text("%.2f N, %.0f Pa inside", pressed, pressure), "gallbladder_1.png");
-  require(pressed > 0.05 && pressure > 50.0, "the bag does not push back");
+  require(pressed > 0.02 && pressure > 20.0, "the bag does not push back");
   require(std::abs(change) < 1e-6, "bile is lost while the duct is closed");
 
   sim.scene().set_fluid("bile", {.conductance = duct});
@@ -86,7 +93,7 @@ void run(const ExampleOptions& options) {
   const double remains = sim.force_on(probe).mean_force.norm();
   draw("2. The duct is open: bile flows out", text("%.1f of %.1f ml left, %.2f N", 1e6 * left, 1e6 * full, remains),
        "gallbladder_2.png");
-  require(left < 0.98 * full && after < 0.7 * pressure && remains < pressed, "it does not empty");
+  require(left < 0.99 * full && after < 0.7 * pressure && remains < pressed, "it does not empty");
 
   sim.scene().set_fluid("bile", {});
   advance_by(0.5 * slow, [&](double share) { return (1.0 - share) * (depth + 0.001); });
