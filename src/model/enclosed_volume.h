@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <optional>
 #include <span>
 #include <utility>
@@ -41,7 +42,7 @@ std::pair<double, double> growing_branch(const std::array<double, 3>& c);
 /// The s nearest to 0 with c1 s + c2 s^2 + c3 s^3 = wanted(s), a WantedVolume, on the branch through 0 on which the
 /// cubic grows; none where nothing grows or that branch does not reach so far: the way to it would turn the body inside
 /// out.
-template <class Wanted>
+template <std::invocable<double> Wanted>
 std::optional<double> root_of_cubic(const std::array<double, 3>& c, const Wanted& wanted) {
   const auto value = [&](double s) { return ((c[2] * s + c[1]) * s + c[0]) * s - wanted(s).volume; };
   const auto slope = [&](double s) { return (3.0 * c[2] * s + 2.0 * c[1]) * s + c[0] - wanted(s).slope; };

@@ -15,24 +15,24 @@
 namespace phymul::test {
 namespace {
 
-constexpr double long_side = 0.04, side = 0.02;  // m
-const Material flesh{.young = 5e3, .poisson = 0.4, .density = 1000.0};
-const Material skin{.young = 200e3, .poisson = 0.4, .density = 1100.0, .thickness = 1e-3};
+constexpr double block_length = 0.04, block_side = 0.02;  // m
+const Material capsule_flesh{.young = 5e3, .poisson = 0.4, .density = 1000.0};
+const Material capsule_skin{.young = 200e3, .poisson = 0.4, .density = 1100.0, .thickness = 1e-3};
 
 /// n cells across; the capsule leaves the ends bare.
 Model capsule_of(int n, bool tetrahedra = false) {
-  Model model = tetrahedra ? make_tetrahedral_block({long_side, side, side}, 2 * n, n, n, 0.2, 5)
-                           : make_block({long_side, side, side}, 2 * n, n, n);
-  set_material(model, flesh);
-  add_capsule(model, skin, [](const Vec3& X) { return X.x() > 1e-9 && X.x() < long_side - 1e-9; });
+  Model model = tetrahedra ? make_tetrahedral_block({block_length, block_side, block_side}, 2 * n, n, n, 0.2, 5)
+                           : make_block({block_length, block_side, block_side}, 2 * n, n, n);
+  set_material(model, capsule_flesh);
+  add_capsule(model, capsule_skin, [](const Vec3& X) { return X.x() > 1e-9 && X.x() < block_length - 1e-9; });
   return model;
 }
 
 Model block_and_sheet() {
-  const Model block = with_material(make_block({long_side, side, side}, 4, 2, 2), flesh);
+  const Model block = with_material(make_block({block_length, block_side, block_side}, 4, 2, 2), capsule_flesh);
   const Model sheet = make_wall(
       grid_surface(6, 5, 0.2, [](double u, double v) { return Vec3(0.06 + 0.03 * u, 0.03 * v, 0.01 * u * v); }),
-      {.material = skin});
+      {.material = capsule_skin});
   return merged({{"block", &block}, {"sheet", &sheet}});
 }
 
@@ -41,13 +41,13 @@ std::vector<Model> bodies_of_both() {
   return all;
 }
 
-VecList forces_at(const TopologyTextures& tables, const VecList& x) {
+VecList forces_of_both(const TopologyTextures& tables, const VecList& x) {
   VecList force(x.size());
   elastic_forces(tables, x, force);
   return force;
 }
 
-double largest_of(const VecList& force) {
+double largest_force(const VecList& force) {
   double most = 0.0;
   for (const Vec3& f : force) most = std::max(most, f.norm());
   return most;
@@ -65,11 +65,11 @@ TEST(WallBeside, HasTheLawOfCellsAndWallsBesides) {
 TEST(WallBeside, ForcesAreTheSlopeOfTheEnergyAndKeepMomenta) {
   for (const Model& model : bodies_of_both()) {
     const TopologyTextures tables = build_topology(model);
-    const VecList x = random_positions(model, 0.1, 7), force = forces_at(tables, x);
+    const VecList x = random_positions(model, 0.1, 7), force = forces_of_both(tables, x);
     Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
     for (std::size_t i = 0; i < x.size(); ++i) sum += force[i], moment += x[i].cross(force[i]);
-    EXPECT_LT(sum.norm(), 1e-11 * largest_of(force));
-    EXPECT_LT(moment.norm(), 1e-12 * largest_of(force));
+    EXPECT_LT(sum.norm(), 1e-11 * largest_force(force));
+    EXPECT_LT(moment.norm(), 1e-12 * largest_force(force));
     const double h = 1e-6 * mean_spacing(model);
     for (const std::size_t i : {std::size_t{0}, std::size_t{9}, x.size() / 2, x.size() - 1}) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -77,7 +77,7 @@ TEST(WallBeside, ForcesAreTheSlopeOfTheEnergyAndKeepMomenta) {
         up[i][axis] += h;
         down[i][axis] -= h;
         const double slope = (elastic_energy(tables, up) - elastic_energy(tables, down)) / (2.0 * h);
-        EXPECT_NEAR(force[i][axis], -slope, 2e-5 * largest_of(force)) << "particle " << i << ", axis " << axis;
+        EXPECT_NEAR(force[i][axis], -slope, 2e-5 * largest_force(force)) << "particle " << i << ", axis " << axis;
       }
     }
   }
@@ -87,7 +87,8 @@ TEST(WallBeside, WeighsBoth) {
   const Model model = capsule_of(4);
   double mass = 0.0;
   for (const double m : model.mass) mass += m;
-  EXPECT_NEAR(mass, 1000.0 * long_side * side * side + 1100.0 * 1e-3 * 4.0 * side * long_side, 1e-12);
+  EXPECT_NEAR(mass, 1000.0 * block_length * block_side * block_side + 1100.0 * 1e-3 * 4.0 * block_side * block_length,
+              1e-12);
 }
 
 TEST(WallBeside, StepLimitIsThatOfAllVibrations) {
@@ -100,7 +101,7 @@ TEST(WallBeside, StepLimitIsThatOfAllVibrations) {
       VecList up = model.rest, down = model.rest;
       up[static_cast<std::size_t>(c / 3)][c % 3] += h;
       down[static_cast<std::size_t>(c / 3)][c % 3] -= h;
-      const VecList plus = forces_at(tables, up), minus = forces_at(tables, down);
+      const VecList plus = forces_of_both(tables, up), minus = forces_of_both(tables, down);
       for (Eigen::Index r = 0; r < n; ++r) {
         const auto i = static_cast<std::size_t>(r / 3), j = static_cast<std::size_t>(c / 3);
         K(r, c) = (minus[i][r % 3] - plus[i][r % 3]) / (2.0 * h) / std::sqrt(model.mass[i] * model.mass[j]);
@@ -115,12 +116,13 @@ TEST(WallBeside, StepLimitIsThatOfAllVibrations) {
 /// Pulled, a block in a capsule has the E A of both, on every mesh; 8 to 1 here.
 TEST(WallBeside, CapsuleAddsItsStiffness) {
   constexpr double e = 1e-5;
-  const double stiffness = flesh.young * side * side + skin.young * skin.thickness * 4.0 * side;
+  const double stiffness =
+      capsule_flesh.young * block_side * block_side + capsule_skin.young * capsule_skin.thickness * 4.0 * block_side;
   for (const Model& model : {capsule_of(3), capsule_of(6), capsule_of(4, true)}) {
     const TopologyTextures tables = build_topology(model);
     VecList x = model.rest;
     for (Vec3& p : x) p = Vec3(p.x() * (1.0 + e), p.y() * (1.0 - 0.4 * e), p.z() * (1.0 - 0.4 * e));
-    EXPECT_NEAR(elastic_energy(tables, x) / (0.5 * stiffness * e * e * long_side), 1.0, 1e-3);
+    EXPECT_NEAR(elastic_energy(tables, x) / (0.5 * stiffness * e * e * block_length), 1.0, 1e-3);
   }
 }
 
@@ -158,7 +160,7 @@ TEST(WallBeside, KeepsItsEnergyAndBothBackendsMoveAlike) {
     }
   }
   for (std::size_t i = 0; i < model.rest.size(); ++i) {
-    EXPECT_LT((end[0].position[i] - end[1].position[i]).norm(), 1e-3 * side);
+    EXPECT_LT((end[0].position[i] - end[1].position[i]).norm(), 1e-3 * block_side);
   }
 }
 
@@ -179,11 +181,11 @@ TEST(WallBeside, RestStaysAtRestExactlyAndBitsDoNotDependOnThreads) {
 }
 
 TEST(WallBeside, CapsuleHasAThicknessForEachRegionAndOutlivesANewMaterial) {
-  Model model = with_material(make_block({long_side, side, side}, 4, 2, 2), flesh);
-  EXPECT_EQ(add_capsule(model, skin), 2 * (2 * 4 + 4 * 8));
-  Material thick = skin;
+  Model model = with_material(make_block({block_length, block_side, block_side}, 4, 2, 2), capsule_flesh);
+  EXPECT_EQ(add_capsule(model, capsule_skin), 2 * (2 * 4 + 4 * 8));
+  Material thick = capsule_skin;
   thick.thickness = 3e-3;
-  set_material(model, thick, [](const Vec3& X) { return X.x() > 0.5 * long_side; });
+  set_material(model, thick, [](const Vec3& X) { return X.x() > 0.5 * block_length; });
   set_material(model, {.young = 8e3, .poisson = 0.3, .density = 1000.0});
   int with_thickness[2] = {0, 0};
   for (const Cell& cell : model.cells) {
@@ -195,21 +197,24 @@ TEST(WallBeside, CapsuleHasAThicknessForEachRegionAndOutlivesANewMaterial) {
     ++with_thickness[t == 3e-3];
     double x = 0.0;
     for (const Index i : cell.particles) x += model.rest[i].x() / 3.0;
-    EXPECT_EQ(t, x > 0.5 * long_side ? 3e-3 : 1e-3);
+    EXPECT_EQ(t, x > 0.5 * block_length ? 3e-3 : 1e-3);
   }
   EXPECT_EQ(with_thickness[0], 40);
   EXPECT_EQ(with_thickness[1], 40);
   // Contacts, tools and pressure see one surface.
   EXPECT_EQ(surface_triangles(model).size(), 80u);
-  EXPECT_NEAR(Scene(model).constrain_volume().volume_constraints().front().volume, long_side * side * side, 1e-18);
+  EXPECT_NEAR(Scene(model).constrain_volume().volume_constraints().front().volume,
+              block_length * block_side * block_side, 1e-18);
 }
 
 TEST(WallBeside, RefusesWhatItCannotDo) {
   Model model = capsule_of(2);
-  EXPECT_NE(message_of([&] { add_capsule(model, skin); }).find("is a wall on that surface already"), std::string::npos);
-  EXPECT_NE(message_of([&] { add_capsule(model, flesh); }).find("a thickness above 0"), std::string::npos);
-  EXPECT_NE(message_of([&] { add_capsule(model, skin, [](const Vec3&) { return false; }); }).find("there are none"),
+  EXPECT_NE(message_of([&] { add_capsule(model, capsule_skin); }).find("is a wall on that surface already"),
             std::string::npos);
+  EXPECT_NE(message_of([&] { add_capsule(model, capsule_flesh); }).find("a thickness above 0"), std::string::npos);
+  EXPECT_NE(
+      message_of([&] { add_capsule(model, capsule_skin, [](const Vec3&) { return false; }); }).find("there are none"),
+      std::string::npos);
   EXPECT_NE(message_of([&] { build_topology(model, {.law = Law::walls}); }).find("walls alone"), std::string::npos);
   Model wrong = model;
   for (Cell& cell : wrong.cells) {

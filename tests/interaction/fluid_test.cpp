@@ -21,20 +21,20 @@
 namespace phymul::test {
 namespace {
 
-constexpr double length = 0.04, area = 4e-4, rest_volume = area * length;
+constexpr double stroke_length = 0.04, piston_area = 4e-4, full_volume = piston_area * stroke_length;
 constexpr double piston_mass = 0.02;  // kg
 
 /// Without stiffness; masses as the gradient of the volume, so that the piston stays plane.
 Model cylinder() {
-  Model model = make_block({length, 0.02, 0.02}, 1, 2, 2);
+  Model model = make_block({stroke_length, 0.02, 0.02}, 1, 2, 2);
   for (double& k : model.stiffness) k = 0.0;
   VecList gradient(model.rest.size());
   volume_gradient(surface_triangles(model), model.rest, gradient);
-  for (const Index i : model.group("x1")) model.mass[i] = piston_mass * gradient[i].x() / area;
+  for (const Index i : model.group("x1")) model.mass[i] = piston_mass * gradient[i].x() / piston_area;
   return model;
 }
 
-VolumeConstraint filled(const Model& model, const Fluid& fluid, double volume = rest_volume) {
+VolumeConstraint filled(const Model& model, const Fluid& fluid, double volume = full_volume) {
   return {.triangles = surface_triangles(model), .volume = volume, .applied_to = {}, .name = "gas", .fluid = fluid};
 }
 
@@ -62,11 +62,11 @@ double piston_at(const Model& model, const State& state) {
   return state.position[model.group("x1").front()].x();
 }
 
-const Fluid air{.law = FluidLaw::gas, .outer_pressure = 1e5, .exponent = 1.4};
+const Fluid diatomic{.law = FluidLaw::gas, .outer_pressure = 1e5, .exponent = 1.4};
 
 TEST(Fluid, RatioAndPressureAreInverse) {
   const Fluid curve{.law = FluidLaw::curve, .curve = {{0.5, 4000}, {0.9, 300}, {1.0, 0}, {1.4, -50}}};
-  for (const Fluid& fluid : {air, curve}) {
+  for (const Fluid& fluid : {diatomic, curve}) {
     for (const double p : {-0.97e5, -0.5e5, -20.0, 1.0, 10.0, 350.0, 3e4, 5e5}) {
       const double r = fluid_ratio(fluid, p).volume, h = 1e-5 * (std::abs(p) + 100.0);
       EXPECT_NEAR(fluid_pressure(fluid, r), p, 1e-9 * (std::abs(p) + 1e3)) << p;
@@ -79,13 +79,13 @@ TEST(Fluid, RatioAndPressureAreInverse) {
 /// omega^2 = n P A^2 / (V m) for small motions; no energy is lost in 200 periods of 50 steps.
 TEST(Fluid, GasSwingsAsASpringAndKeepsItsEnergy) {
   const Model model = cylinder();
-  const double omega = std::sqrt(1.4 * 1e5 * area * area / (rest_volume * piston_mass));
+  const double omega = std::sqrt(1.4 * 1e5 * piston_area * piston_area / (full_volume * piston_mass));
   const double period = 2.0 * std::numbers::pi / omega;
   for (const char* backend : {"reference", "cpu"}) {
-    const Scene scene = piston_scene(model, filled(model, air));
+    const Scene scene = piston_scene(model, filled(model, diatomic));
     const auto solver = make_solver(backend, model, scene);
     State state = rest_state(model);
-    const double way = 1e-3 * length;
+    const double way = 1e-3 * stroke_length;
     for (const Index i : model.group("x1")) state.velocity[i].x() = omega * way;
     solver->reset(state);
     const double dt = period / 50.0;
@@ -93,7 +93,7 @@ TEST(Fluid, GasSwingsAsASpringAndKeepsItsEnergy) {
     double before = 0.0;
     for (int k = 0; k < 200 * 50; ++k) {
       ASSERT_TRUE(solver->step(1, dt).ok());
-      const double x = piston_at(model, solver->read()) - length;
+      const double x = piston_at(model, solver->read()) - stroke_length;
       if (before < 0.0 && x >= 0.0) ++crossings;
       before = x;
       if (k < 500) most[0] = std::max(most[0], std::abs(x));
@@ -108,16 +108,16 @@ TEST(Fluid, GasSwingsAsASpringAndKeepsItsEnergy) {
 /// A period in a step and a half: explicit forces would explode from a third of a period on.
 TEST(Fluid, NoStepIsTooLong) {
   const Model model = cylinder();
-  const double omega = std::sqrt(1.4 * 1e5 * area * area / (rest_volume * piston_mass));
-  const Scene scene = piston_scene(model, filled(model, air));
+  const double omega = std::sqrt(1.4 * 1e5 * piston_area * piston_area / (full_volume * piston_mass));
+  const Scene scene = piston_scene(model, filled(model, diatomic));
   const auto solver = make_solver("reference", model, scene);
   State state = rest_state(model);
-  const double way = 1e-3 * length;
+  const double way = 1e-3 * stroke_length;
   for (const Index i : model.group("x1")) state.velocity[i].x() = omega * way;
   solver->reset(state);
   for (int k = 0; k < 1000; ++k) {
     ASSERT_TRUE(solver->step(1, 3.0 * std::numbers::pi / omega).ok());
-    ASSERT_LT(std::abs(piston_at(model, solver->read()) - length), 12.0 * way);
+    ASSERT_LT(std::abs(piston_at(model, solver->read()) - stroke_length), 12.0 * way);
   }
 }
 
@@ -130,16 +130,16 @@ TEST(Fluid, CarriesALoadByItsLaw) {
   const struct {
     Fluid fluid;
     double ratio;
-  } cases[] = {{{}, 1.0}, {isothermal, 2e4 / 2.5e4}, {air, std::pow(1.05, -1.0 / 1.4)}, {curve, 0.65}};
+  } cases[] = {{{}, 1.0}, {isothermal, 2e4 / 2.5e4}, {diatomic, std::pow(1.05, -1.0 / 1.4)}, {curve, 0.65}};
   for (const auto& [fluid, ratio] : cases) {
     for (const char* backend : {"reference", "cpu"}) {
-      const Scene scene = piston_scene(model, filled(model, fluid), p * area);
+      const Scene scene = piston_scene(model, filled(model, fluid), p * piston_area);
       const auto solver = make_solver(backend, model, scene, {}, damped(50.0));
       ASSERT_TRUE(solver->step(20000, 1e-4).ok());
       const double single = backend[0] == 'c' ? 1e-4 : 1e-7;
-      EXPECT_NEAR(piston_at(model, solver->read()), ratio * length, single * length) << ratio;
+      EXPECT_NEAR(piston_at(model, solver->read()), ratio * stroke_length, single * stroke_length) << ratio;
       EXPECT_NEAR(solver->fluid("gas").pressure, p, 10.0 * single * p) << ratio;
-      EXPECT_EQ(solver->fluid("gas").volume, rest_volume);
+      EXPECT_EQ(solver->fluid("gas").volume, full_volume);
     }
   }
 }
@@ -151,7 +151,7 @@ TEST(Fluid, LeavesThroughAnOpening) {
   for (const Fluid& closed : {Fluid{}, Fluid{.law = FluidLaw::gas, .outer_pressure = 1e6}}) {
     Fluid open = closed;
     open.conductance = G;
-    Scene scene = piston_scene(model, filled(model, open), p * area);
+    Scene scene = piston_scene(model, filled(model, open), p * piston_area);
     const auto solver = make_solver("reference", model, scene, {}, damped(5.0));
     ASSERT_TRUE(solver->step(20000, 1e-4).ok());
     const double start = solver->fluid("gas").volume;
@@ -171,7 +171,8 @@ TEST(Fluid, LeavesThroughAnOpening) {
     scene.set_fluid("gas", closed);
     ASSERT_TRUE(solver->step(20000, 1e-4).ok());
     EXPECT_EQ(solver->fluid("gas").volume, reached);
-    EXPECT_NEAR(piston_at(model, solver->read()) * area, reached * fluid_ratio(closed, p).volume, 1e-6 * reached);
+    EXPECT_NEAR(piston_at(model, solver->read()) * piston_area, reached * fluid_ratio(closed, p).volume,
+                1e-6 * reached);
   }
 }
 
@@ -180,21 +181,21 @@ TEST(Fluid, IsSetAddedAndTakenOutWhileItRuns) {
   for (const char* backend : {"reference", "cpu"}) {
     Scene scene = piston_scene(model, filled(model, {}), 1.0);
     const auto solver = make_solver(backend, model, scene, {}, damped(50.0));
-    const double single = 1e-6 * length;
+    const double single = 1e-6 * stroke_length;
     ASSERT_TRUE(solver->step(10, 1e-4).ok());
-    scene.set_volume("gas", 0.9 * rest_volume);
+    scene.set_volume("gas", 0.9 * full_volume);
     ASSERT_TRUE(solver->step(10, 1e-4).ok());
-    EXPECT_NEAR(piston_at(model, solver->read()), 0.9 * length, single) << backend;
+    EXPECT_NEAR(piston_at(model, solver->read()), 0.9 * stroke_length, single) << backend;
     scene.remove_volume("gas");
     ASSERT_TRUE(solver->step(100, 1e-4).ok());
-    EXPECT_LT(piston_at(model, solver->read()), 0.899 * length) << backend;
+    EXPECT_LT(piston_at(model, solver->read()), 0.899 * stroke_length) << backend;
     EXPECT_NE(message_of([&] { static_cast<void>(solver->fluid("gas")); }).find("no volume constraint"),
               std::string::npos);
     const double now = piston_at(model, solver->read());
-    scene.constrain_volume(filled(model, {}, now * area));
+    scene.constrain_volume(filled(model, {}, now * piston_area));
     ASSERT_TRUE(solver->step(1000, 1e-4).ok());
     EXPECT_NEAR(piston_at(model, solver->read()), now, single) << backend;
-    EXPECT_NEAR(solver->fluid("gas").pressure, 1.0 / area, 0.01 / area) << backend;
+    EXPECT_NEAR(solver->fluid("gas").pressure, 1.0 / piston_area, 0.01 / piston_area) << backend;
   }
 }
 
@@ -269,7 +270,7 @@ TEST(Fluid, BagComesBackFromBetweenPlates) {
 /// With what has flowed, and with the pressure of the step before.
 TEST(Fluid, GoesOnBitForBitFromASnapshotAndAStateFile) {
   const Model model = cylinder();
-  Fluid open = air;
+  Fluid open = diatomic;
   open.conductance = 1e-8;
   const Scene scene = piston_scene(model, filled(model, open), 0.4);
   const std::string path = path_for("fluid.state");
@@ -283,7 +284,7 @@ TEST(Fluid, GoesOnBitForBitFromASnapshotAndAStateFile) {
     ASSERT_TRUE(second->step(40, 1e-4).ok());
     EXPECT_EQ(second->snapshot(), first->snapshot()) << backend;
     EXPECT_EQ(second->fluid("gas"), first->fluid("gas")) << backend;
-    EXPECT_LT(first->fluid("gas").volume, rest_volume);
+    EXPECT_LT(first->fluid("gas").volume, full_volume);
   }
 }
 
@@ -291,21 +292,21 @@ TEST(Fluid, IsRecordedWithItsChanges) {
   const Model model = cylinder();
   const std::string path = path_for("fluid.rec");
   for (const char* backend : {"reference", "cpu"}) {
-    Scene scene = piston_scene(model, filled(model, air), 0.4);
+    Scene scene = piston_scene(model, filled(model, diatomic), 0.4);
     scene.add_tool("ball", {.shape = Sphere{0.005}, .pose = {.position = {0.1, 0, 0}}});
     const auto recorded = make_solver(backend, model, scene);
     Recorder recorder(*recorded, scene);
     recorder.step(10, 1e-4);
     scene.tool("ball").move_to({.position = {0.0, 0.01, 0.03}});
-    scene.set_volume("gas", 0.97 * rest_volume);
+    scene.set_volume("gas", 0.97 * full_volume);
     recorder.step(10, 1e-4);
-    Fluid open = air;
+    Fluid open = diatomic;
     open.conductance = 1e-8;
     scene.set_fluid("gas", open);
     recorder.step(10, 1e-4);
     scene.remove_volume("gas");
     recorder.step(3, 1e-4);
-    VolumeConstraint other = filled(model, {}, 0.95 * rest_volume);
+    VolumeConstraint other = filled(model, {}, 0.95 * full_volume);
     other.name = "other";
     scene.constrain_volume(other);
     recorder.step(10, 1e-4);
@@ -338,7 +339,7 @@ TEST(Fluid, RefusesWhatMakesNoSense) {
   EXPECT_NE(message_of([&] { scene.set_volume("gas", 0.0); }).find("a volume above 0"), std::string::npos);
   EXPECT_NE(message_of([&] { scene.set_fluid("water", {}); }).find("it has: gas"), std::string::npos);
   EXPECT_NE(message_of([&] { scene.remove_volume("water"); }).find("it has: gas"), std::string::npos);
-  const Scene with_gas = piston_scene(model, filled(model, air));
+  const Scene with_gas = piston_scene(model, filled(model, diatomic));
   for (const char* backend : {"gl", "gl-compute"}) {
     const auto names = backend_names();
     if (std::ranges::find(names, backend) == names.end() || !why_unavailable(backend).empty()) continue;
