@@ -39,7 +39,7 @@ python=python3
 mkdir -p "$out"
 cmake -S . -B build/surgery -DCMAKE_BUILD_TYPE=Release -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_BENCH=OFF \
   -DPHYMUL_WITH_GL=OFF >"$out/build.log"
-examples="needle liver probe_on_prostate two_organs cloth_on_sphere resection"
+examples="needle liver probe_on_prostate two_organs cloth_on_sphere resection gallbladder"
 # $examples is a list of words.
 cmake --build build/surgery --parallel "$(nproc)" --target $examples >>"$out/build.log"
 for example in $examples; do

@@ -63,6 +63,12 @@ Model from_arrays(VecList rest, std::vector<Cell> cells) {
   return model;
 }
 
+Surface surface_of(const double* vertices, int32_t vertex_count, const int32_t* triangles, int32_t triangle_count) {
+  return {.vertices = vectors(vertices, vertex_count, "vertices"),
+          .triangles = triples(triangles, triangle_count, "triangles"),
+          .notes = {}};
+}
+
 void require_name(const char* name) {
   if (need(name, "a name of the group") == '\0' || std::strchr(name, '\n'))
     throw Error("expected a name of the group of one line that is not empty");
@@ -131,10 +137,18 @@ phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, con
       for (const SpacingField& field : fields) least = std::min(least, field(place));
       return least;
     };
-    const Surface surface{.vertices = vectors(vertices, vertex_count, "vertices"),
-                          .triangles = triples(triangles, triangle_count, "triangles"),
-                          .notes = {}};
+    const Surface surface = surface_of(vertices, vertex_count, triangles, triangle_count);
     return make_body(surface, {.spacing = spacing, .spacing_at = fields.empty() ? SpacingField() : finest});
+  });
+}
+
+phymul_status phymul_body_wall(const double* vertices, int32_t vertex_count, const int32_t* triangles,
+                               int32_t triangle_count, double spacing, const phymul_material* material,
+                               phymul_body** made) {
+  return make(made, [&] {
+    WallOptions options{.material = material_of(material)};
+    if (spacing != 0.0) options.spacing = spacing;
+    return make_wall(surface_of(vertices, vertex_count, triangles, triangle_count), options);
   });
 }
 
@@ -297,10 +311,15 @@ phymul_status phymul_fit_material(const phymul_material* start, const int32_t* t
                 m.retardation_time,
                 m.relaxation_strength,
                 m.relaxation_time,
-                {of.exponential, of.exponent, of.second, of.second_fades}});
+                {of.exponential, of.exponent, of.second, of.second_fades},
+                m.thickness});
     if (error) *error = fit.largest_error;
     if (fitted_stresses) std::ranges::copy(fit.stress, fitted_stresses);
   });
+}
+
+phymul_status phymul_body_add_capsule(phymul_body* body, const phymul_material* material) {
+  return guarded([&] { add_capsule(need(body, "a body").model, material_of(material)); });
 }
 
 phymul_status phymul_body_set_material(phymul_body* body, const phymul_material* material, const char* group) {

@@ -134,6 +134,7 @@ inline Material material_of(const phymul_material* given) {
           .retardation_time = from.retardation_time,
           .relaxation_strength = from.relaxation_strength,
           .relaxation_time = from.relaxation_time,
+          .thickness = from.thickness,
           .stiffening = {from.stiffening[0], from.stiffening[1], from.stiffening[2], from.stiffening[3]}};
 }
 

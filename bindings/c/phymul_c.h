@@ -18,7 +18,6 @@
 #define PHYMUL_C_H
 
 #include <stdint.h>
-
 #define PHYMUL_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -73,6 +72,7 @@ typedef struct phymul_material {
   double relaxation_strength;  // 1
   double relaxation_time;      // s, > 0 with a relaxation_strength
   double stiffening[4];        // exponential, exponent, second, second_fades (include/phymul/model.h); 0: none
+  double thickness;            // m, of walls of triangles; 0: not a wall
 } phymul_material;
 // fit_material to count points. goal 0: least squares, 1: least largest error; error and fitted_stresses may be NULL.
 enum { PHYMUL_UNIAXIAL = 0, PHYMUL_SHEAR = 1, PHYMUL_FIT_EXPONENTIAL = 1, PHYMUL_FIT_SECOND = 2, PHYMUL_FIT_FADES = 4 };
@@ -100,6 +100,10 @@ PHYMUL_API phymul_status phymul_body_read(const char* path, double metres_per_un
 PHYMUL_API phymul_status phymul_body_fill(const double* vertices, int32_t vertex_count, const int32_t* triangles,
                                           int32_t triangle_count, double spacing, const phymul_fine_place* places,
                                           int32_t place_count, phymul_body** made);
+// make_wall: the surface as the middle of a wall; no side longer than 1.4 `spacing`, m, or as it is (0).
+PHYMUL_API phymul_status phymul_body_wall(const double* vertices, int32_t vertex_count, const int32_t* triangles,
+                                          int32_t triangle_count, double spacing, const phymul_material* material,
+                                          phymul_body** made);
 // From particles at `rest` and cells: types [cell_count], first [cell_count + 1] and particles [first[cell_count]], of
 // which cell i has those from first[i] to first[i + 1]. Without cells (cell_count 0, all three NULL) it is a body of
 // points with 20 neighbours each. The mesh is checked, and cells that are turned inside out are turned round.
@@ -125,6 +129,7 @@ PHYMUL_API phymul_status phymul_body_add_cell_group(phymul_body* body, const cha
                                                     int32_t count);
 PHYMUL_API phymul_status phymul_body_set_material(phymul_body* body, const phymul_material* material,
                                                   const char* group);  // NULL: the whole body
+PHYMUL_API phymul_status phymul_body_add_capsule(phymul_body* body, const phymul_material* material);  // on all faces
 PHYMUL_API phymul_status phymul_body_with_spare_particles(const phymul_body* body, int32_t count, phymul_body** made);
 // cut_body along a plane, where (x - front_point) . front_normal is negative (NULL: everywhere). A new body.
 PHYMUL_API phymul_status phymul_body_cut(const phymul_body* body, const double point[3], const double normal[3],
@@ -156,7 +161,6 @@ PHYMUL_API phymul_status phymul_simulation_create(const phymul_body* const* bodi
                                                   phymul_simulation** made);
 PHYMUL_API void phymul_simulation_free(phymul_simulation* sim);
 PHYMUL_API phymul_status phymul_simulation_body(const phymul_simulation* sim, phymul_body** made);  // a copy
-
 PHYMUL_API phymul_status phymul_fix(phymul_simulation* sim, const char* group);
 PHYMUL_API phymul_status phymul_fix_particles(phymul_simulation* sim, const int32_t* particles, int32_t count);
 // Scene::scale_stiffness: of one of the bodies' materials, or of all (NULL); always of the material's own stiffness.
@@ -213,16 +217,13 @@ PHYMUL_API phymul_status phymul_solve_static(phymul_simulation* sim, double tole
 // A sentence about the last of these four calls, and Simulation::warnings(). Valid until the next call of the same.
 PHYMUL_API phymul_status phymul_message(phymul_simulation* sim, const char** sentence);
 PHYMUL_API phymul_status phymul_warnings(phymul_simulation* sim, const char** sentences);
-
 PHYMUL_API phymul_status phymul_time(const phymul_simulation* sim, double* time);          // s
 PHYMUL_API phymul_status phymul_step_limits(const phymul_simulation* sim, double* stable,  // s, the largest stable step
                                             double* taken);                                // s, that of phymul_advance
 PHYMUL_API phymul_status phymul_backend(phymul_simulation* sim, const char** name);
 PHYMUL_API phymul_status phymul_energy(const phymul_simulation* sim, double energy[3]);  // J: elastic, kinetic, gravity
-
-// These three compute or copy the present values into memory of the handle, one buffer each, and hand it out: [N][3] m,
-// m/s (at the state's time) and N (elastic forces, of the materials as phymul_scale_stiffness left them). The next call
-// of the same function with this handle overwrites it.
+// [N][3] m, m/s (at the state's time) and N (elastic, of the materials as phymul_scale_stiffness left them), in memory of
+// the handle that the next call of the same function with it overwrites.
 PHYMUL_API phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count);
@@ -276,7 +277,6 @@ typedef struct phymul_tool_force {  // of the particles on the tool
   int32_t particles;      // that it pushed or held
   int32_t held;           // that it holds
 } phymul_tool_force;
-
 PHYMUL_API phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options* options, uint64_t* tool);
 PHYMUL_API phymul_status phymul_tool_remove(phymul_simulation* sim, uint64_t tool);
 PHYMUL_API phymul_status phymul_tool_move_to(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose);

@@ -165,6 +165,7 @@ class SolverBackend : public Solver {
   virtual bool do_takes_volumes() const { return false; }             ///< Scene::constrain_volume
   virtual const ToolReport& do_tool_report(std::size_t row) const;    ///< of Scene::tools(), as of the last step
   virtual const ThreadState& do_thread_state(std::size_t row) const;  ///< of Scene::threads(), likewise
+  virtual const FluidState& do_fluid(std::size_t row) const;          ///< of Scene::volume_constraints()
   virtual void do_profile() const {}                                  ///< updates profiling(), which is not null
 
   friend std::unique_ptr<Solver> make_solver(std::string_view, std::shared_ptr<const TopologyTextures>, const Scene&,
@@ -173,6 +174,7 @@ class SolverBackend : public Solver {
   void bring_back_reports(const Snapshot& snapshot);
   const JointReport& joint_report_at(std::size_t row) const final;
   const ThreadState& thread_state_at(std::size_t row) const final { return do_thread_state(row); }
+  const FluidState& fluid_at(std::size_t row) const final { return do_fluid(row); }
   double step_limit(const Damping& damping) const;  // s
   double stiffness_factor() const;                  // by which the scene's raise the spectrum at most
   Spectrum spectrum() const;                        // a bound, of materials as stiff as the scene makes them

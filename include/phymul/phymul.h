@@ -11,6 +11,7 @@
 #include <phymul/distance_grid.h>
 #include <phymul/elasticity.h>
 #include <phymul/error.h>
+#include <phymul/fluid.h>
 #include <phymul/gl.h>
 #include <phymul/jaws.h>
 #include <phymul/joint.h>

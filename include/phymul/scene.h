@@ -6,6 +6,7 @@
 #pragma once
 
 #include <phymul/body_cut.h>
+#include <phymul/fluid.h>
 #include <phymul/joint.h>
 #include <phymul/load.h>
 #include <phymul/model.h>
@@ -31,11 +32,14 @@ struct SurfacePatch;  // surface_patch.h
 struct LoadModes;     // load_frame.h
 struct SceneParts;    // state.h
 
-/// A closed surface whose enclosed volume every step restores: Scene::constrain_volume.
+/// A closed surface and the fluid in it: Scene::constrain_volume.
 struct VolumeConstraint {
   std::vector<std::array<Index, 3>> triangles;  ///< indices of particles, counter-clockwise seen from outside
-  double volume = 0.0;                          ///< m^3, target
+  double volume = 0.0;                          ///< m^3, of the fluid without pressure
   std::string applied_to;                       ///< group, for messages; empty: the whole body
+  std::string name{};                           ///< empty: "volume 1", "volume 2" and so on
+  Fluid fluid{};
+  std::uint64_t changes = 0;  ///< another number after each set_volume(); not to be set
   bool operator==(const VolumeConstraint&) const = default;
 };
 
@@ -178,16 +182,22 @@ class Scene {
   Scene& remove(std::size_t row);              ///< removes loads()[row]; later rows decrease by 1
   Scene& clear();                              ///< removes everything
 
-  /// Keeps the volume enclosed by the surface of these cells at its rest value, or at
-  /// VolumeConstraint::volume. After each step every free particle of the surface moves along the volume's gradient
-  /// divided by its mass, until the volume is exact (single precision: within about 1e-7). This conserves linear and
-  /// angular momentum and does not move imposed coordinates. Throws Error if the surface is not closed or shares a
-  /// particle with another constrained surface, for a volume that is not above 0, and for a two-dimensional model.
+  /// Fills the surface of these cells with a fluid; incompressible, of the rest volume, unless VolumeConstraint says
+  /// otherwise. In each step the pressure pushes every free particle of the surface along the volume's gradient, so
+  /// far that volume and pressure at the step's end fit the law (single precision: the volume within about 1e-7). No
+  /// law shortens the stable step. This conserves linear and angular momentum and does not move imposed coordinates.
+  /// The backends gl and gl-compute take incompressible fluids without an opening. Throws Error if the surface is not
+  /// closed or shares a particle with another one, for a name in use, for values out of range, and for a
+  /// two-dimensional model.
   Scene& constrain_volume() &;                          ///< of all cells together
   Scene& constrain_volume(std::string_view group) &;    ///< of the cells of the group, as set_material()
   Scene& constrain_volume(VolumeConstraint surface) &;  ///< of the given triangles
   Scene constrain_volume() && { return constrain_volume(); }
   Scene constrain_volume(std::string_view group) && { return constrain_volume(group); }
+  // By name; they throw Error, with the known names, for an unknown one.
+  Scene& set_volume(std::string_view name, double volume);  ///< m^3, > 0, of the fluid without pressure from now on
+  Scene& set_fluid(std::string_view name, Fluid fluid);     ///< as much of it as there is; opens and closes openings
+  Scene& remove_volume(std::string_view name);
 
   /// Switches contacts on, between parts of the model that no cell and no neighbourhood connects (bodies.h). Throws
   /// Error for options out of their range and for a two-dimensional model.
@@ -334,6 +344,7 @@ class Scene {
   void find_removed();
   void follow_copies(const BodyCuts& cuts);
   void find_open_volumes();
+  VolumeConstraint& volume_named(std::string_view name);
   void require(const Load& load) const;
   Action accepted(Load& load) const;
   Action prepared(const Load& load) const;
@@ -361,7 +372,7 @@ class Scene {
   std::vector<SceneTool> tools_;
   std::vector<SceneJoint> joints_;
   std::vector<SceneThread> threads_;
-  std::uint64_t next_tool_ = 1, next_joint_ = 1, next_thread_ = 1;
+  std::uint64_t next_tool_ = 1, next_joint_ = 1, next_thread_ = 1, next_volume_ = 1, volume_changes_ = 0;
   std::uint64_t version_ = 0, values_version_ = 0;
   // Of body_changed():
   std::uint64_t body_version_ = 0;

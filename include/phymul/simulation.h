@@ -120,8 +120,10 @@ class Simulation {
   /// the tool's thickness, or the tool pushes it out on the far side: then move the tool in several parts.
   /// Throws Error (not_supported) if the body or a particle of it has no material, or the body has two dimensions; for
   /// needles and tools with friction, a velocity, both ToolContact::surface and compliance, or a grasp or release still
-  /// to come; for contacts and volume constraints; and for loads with events after the present time. Throws Error
-  /// (invalid_argument) for options out of their range.
+  /// to come; for contacts and volume constraints; for walls beside cells, or with tools or joints; and for loads with
+  /// events after the present time. Throws Error (invalid_argument) for options out of their range.
+  /// Walls are solved by Newton's method with a factored tangent: an evaluation of it takes as long as some hundred
+  /// of forces.
   StaticResult solve_static(const StaticOptions& options = {});
 
   /// Probable mistakes, one sentence each: a body without a material, sizes and constants that suggest other units than

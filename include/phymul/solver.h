@@ -185,6 +185,10 @@ class Solver {
   const ThreadState& thread_state(std::string_view name) const;
   const ThreadState& thread_state(const ThreadHandle& thread) const;
 
+  /// The fluid of a volume constraint of the scene after the last step. Valid until the next step() or change of the
+  /// scene. Throws Error for an unknown name, and for backends that do not know it (gl, gl-compute).
+  const FluidState& fluid(std::string_view name) const;
+
  protected:
   Solver();
 
@@ -192,6 +196,7 @@ class Solver {
   virtual const ToolReport& tool_report(std::size_t row) const = 0;       ///< of Scene::tools()
   virtual const JointReport& joint_report_at(std::size_t row) const = 0;  ///< of Scene::joints()
   virtual const ThreadState& thread_state_at(std::size_t row) const = 0;  ///< of Scene::threads()
+  virtual const FluidState& fluid_at(std::size_t row) const = 0;          ///< of Scene::volume_constraints()
   std::size_t tool_row(std::string_view name) const;
   std::size_t tool_row(const ToolHandle& tool) const;
 };

@@ -48,19 +48,20 @@ struct SolverOptions {
   /// (docs/decisions/2026-11-21-rest-test-of-float-backends.md).
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
-  /// Sleep: parts of a body that rest cost nothing. Backend "cpu", bodies with a material (Law::particle_averaged). The
-  /// other backends and laws have no sleep and ignore it. Empty: off. 0: only parts whose state repeats itself to the
-  /// last bit are skipped, and the results are those without sleep. Above 0, in the units of rest_tolerance: a block of
-  /// some hundred neighbouring particles stays where it is, at speed 0, if for `rest_steps` consecutive steps all its
-  /// free particles have speed * tau <= sleep_tolerance * h and net force / mass * tau^2 <= sleep_tolerance * h. It
-  /// moves again in the step in which a net force is above that, and when a tool, a contact, a volume constraint or an
-  /// imposed motion moves one of its particles. So no net force above m h sleep_tolerance / tau^2, or a twentieth of
-  /// the weight if that is less, is ever neglected (rounding: as for rest_tolerance, with the block's u).
-  /// docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips only parts whose state repeats
-  /// itself. No effect if a material dissipates. make_solver throws Error for a negative value, NaN or infinity.
+  /// Sleep: parts of a body that rest cost nothing. Backend "cpu", bodies with a material (Law::particle_averaged) and
+  /// without walls. The other backends and laws have no sleep and ignore it. Empty: off. 0: only parts whose state
+  /// repeats itself to the last bit are skipped, and the results are those without sleep. Above 0, in the units of
+  /// rest_tolerance: a block of some hundred neighbouring particles stays where it is, at speed 0, if for `rest_steps`
+  /// consecutive steps all its free particles have speed * tau <= sleep_tolerance * h and net force / mass * tau^2 <=
+  /// sleep_tolerance * h. It moves again in the step in which a net force is above that, and when a tool, a contact, a
+  /// volume constraint or an imposed motion moves one of its particles. So no net force above m h sleep_tolerance /
+  /// tau^2, or a twentieth of the weight if that is less, is ever neglected (rounding: as for rest_tolerance, with the
+  /// block's u). docs/guide/choosing.md has the error of some tolerances. run_to_rest() skips only parts whose state
+  /// repeats itself. No effect if a material dissipates. make_solver throws Error for a negative value, NaN or
+  /// infinity.
   std::optional<double> sleep_tolerance{};
   /// Local time steps: parts that need a shorter step than the rest do not limit the step of the whole body. >= 1; 1:
-  /// off. Backends "reference" and "cpu", bodies with a material (Law::particle_averaged).
+  /// off. Backends "reference" and "cpu", bodies with a material (Law::particle_averaged) and without walls.
   /// - Materials that are stiffer, such as a tumour in soft tissue, take up to this many substeps within each step
   ///   (Solver::substeps), unless a material dissipates. Vibrations inside them that are faster than the step are
   ///   slowed down, as by a larger mass, which Solver::energy() does not count.

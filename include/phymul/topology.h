@@ -49,7 +49,8 @@ enum class Law {
   /// in an orthonormal frame of the triangle at rest:
   ///   E = sum A t psi(F) + t^3/24 sum A k : C k,   k_ab = n . x_,ab - N . X_,ab
   /// psi is StrainEnergy::neo_hookean in plane stress, C its moduli at rest (docs/theory/physics.md). An edge with one
-  /// triangle is free, or clamped (clamp_edges() in wall.h).
+  /// triangle is free, or clamped (clamp_edges() in wall.h). A body that has volume cells with a material as well has
+  /// the law particle_averaged, and its walls besides.
   walls
 };
 
@@ -102,9 +103,9 @@ enum class SparseParticle {
 };
 
 struct TopologyOptions {
-  /// Empty: walls where materials have a thickness, particle_averaged for any other model with a material, else
-  /// shape_memory. build_topology writes the law
-  /// used into TopologyTextures::options.
+  /// Empty: particle_averaged for a model whose volume cells have a material, or that is a body of points with one;
+  /// walls where only triangles with a thickness have one; else shape_memory. build_topology writes the law used into
+  /// TopologyTextures::options.
   std::optional<Law> law = std::nullopt;
   Reaction reaction = Reaction::conservative;
   BaseSelection bases = BaseSelection::thresholded;

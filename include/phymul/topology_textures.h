@@ -168,7 +168,7 @@ struct TopologyTextures {
   // Further terms of the energy, empty unless the options need them.
   std::vector<SpringTexel> springs;
   std::vector<VolumeTexel> volumes;
-  std::vector<WallTexel> walls;  ///< Law::walls
+  std::vector<WallTexel> walls;  ///< of triangles with a thickness, by any law with a material
 
   // Law::particle_averaged: domains in order of their particles.
   std::vector<DomainTexel> domains;

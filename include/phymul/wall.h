@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Thin walls: bodies of triangles in space whose material has a thickness (Law::walls). They need one layer of
-// particles where cells that fill a wall need several.
+// particles where cells that fill a wall need several. Capsules: walls on the surface of bodies of cells.
 #pragma once
 
 #include <phymul/body.h>
@@ -22,6 +22,12 @@ struct WallOptions {
 /// are free. Throws Error for a surface that is not valid, whose edges join more than two triangles, and for options
 /// out of range.
 Model make_wall(const Surface& surface, const WallOptions& options);
+
+/// Gives the surface of a body of volume cells a capsule: a wall of the outer faces whose centre at rest (mean of their
+/// particles) `contains` accepts, on the particles of the body; empty: of all. Faces of four particles become two
+/// triangles. Returns how many triangles it added. Throws Error if there is no such face, if one of them has a wall
+/// already, and as set_material() does.
+int add_capsule(Model& model, const Material& material, const Contains& contains = {});
 
 /// Clamps the edges with one triangle whose middle `contains` accepts: the wall keeps the direction there that it has
 /// at rest, also in a plane of symmetry. Where the edge is, its particles must be held by the scene; an edge whose

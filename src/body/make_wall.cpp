@@ -8,12 +8,15 @@
 
 #include "base/decimal.h"
 #include "model/cell_geometry.h"
+#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {
 
 /// Sides may be longer than wanted by this factor: of triangles that are divided into four, lengths lie on both sides.
 constexpr double longest_side = 1.4142;
+
+constexpr const char* capsule_group = "phymul: a new capsule";  // while its triangles get their material
 
 std::array<Index, 2> sorted_edge(Index a, Index b) {
   return {std::min(a, b), std::max(a, b)};
@@ -118,6 +121,45 @@ Model make_wall(const Surface& surface, const WallOptions& options) {
   Model model = model_of(fine);
   set_material(model, options.material);
   return model;
+}
+
+int add_capsule(Model& model, const Material& material, const Contains& contains) {
+  validate(model);
+  if (!(material.thickness > 0.0)) {
+    throw Error("add_capsule: expected a material with a thickness above 0 m, got " + to_decimal(material.thickness));
+  }
+  Model with = model;
+  std::vector<Index> rows;  // of the new triangles
+  std::map<std::array<Index, 3>, std::size_t> walls;
+  const auto key = [](std::vector<Index> particles) {
+    std::ranges::sort(particles);
+    return std::array<Index, 3>{particles[0], particles[1], particles[2]};
+  };
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    if (is_wall(model, model.cells[row])) walls[key(model.cells[row].particles)] = row;
+  }
+  for (Facet& facet : facets_of_cells(model, std::vector<char>(model.rest.size(), 1))) {
+    std::vector<Index>& ring = facet.particles;
+    Vec3 centre = Vec3::Zero();
+    for (const Index i : ring) centre += model.rest[i] / static_cast<double>(ring.size());
+    if (contains && !contains(centre)) continue;
+    if (ring_area(ring, model.rest).dot(facet.area) < 0.0) std::ranges::reverse(ring);
+    for (std::size_t k = 2; k < ring.size(); ++k) {
+      Cell cell{.type = CellType::triangle, .particles = {ring[0], ring[k - 1], ring[k]}};
+      if (const auto known = walls.find(key(cell.particles)); known != walls.end()) {
+        throw Error("add_capsule: " + cell_label(model, known->second) + " is a wall on that surface already");
+      }
+      rows.push_back(static_cast<Index>(with.cells.size()));
+      with.cells.push_back(std::move(cell));
+    }
+  }
+  if (rows.empty()) throw Error("add_capsule: expected outer faces of volume cells in the region, but there are none");
+  with.add_group(capsule_group, {});
+  with.components.back().cell_refs = rows;
+  set_material(with, material, capsule_group);
+  with.components.pop_back();
+  model = std::move(with);
+  return static_cast<int>(rows.size());
 }
 
 int clamp_edges(Model& model, const Contains& contains) {

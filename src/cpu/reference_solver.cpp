@@ -51,6 +51,7 @@ class ReferenceSolver final : public SolverBackend {
     state_.velocity = state.velocity;
     follow_tools();
     tools_.reset(scene(), state);
+    touching_.reset(scene(), state);
     last_dt_ = 0.0;
     steps_at_rest_ = 0;
     dissipation_.reset({});
@@ -128,7 +129,6 @@ class ReferenceSolver final : public SolverBackend {
   bool touches() const { return !tools_.empty() || !touching_.empty(); }
 
   void begin(const StepPlan& /*plan*/) {}
-
   void find_forces(const StepPlan& plan, bool /*last*/) {
     elastic_forces(elastic(), state_.position, force_);
     if (!dissipation_.empty()) dissipation_.add_forces(elastic(), state_.position, plan.dt, last_dt_, force_);
@@ -179,14 +179,13 @@ class ReferenceSolver final : public SolverBackend {
   }
 
   int& steps_at_rest() { return steps_at_rest_; }
-
   void drop_step() { scene().evaluate(state_.time, frame()); }
-
   void accept(const StepPlan& plan, Motion& motion) {
     std::swap(state_.position, next_position_);
     std::swap(state_.velocity, next_velocity_);
     state_.time += plan.dt;
     if (!tools_.empty()) tools_.accept();
+    touching_.accept();
     joints().accept();
     if (!dissipation_.empty()) dissipation_.accept();
     if (local_) local_->accept();
@@ -195,7 +194,6 @@ class ReferenceSolver final : public SolverBackend {
     motion.max_speed = max_free_speed();
     laps_->end(checks_row_);
   }
-
   static RestThresholds rest_now(const StepPlan& plan, const Motion& /*motion*/) {
     return {plan.speed_at_rest, plan.acceleration_at_rest};
   }
@@ -203,11 +201,13 @@ class ReferenceSolver final : public SolverBackend {
   void do_read(State& state) const override {
     state = state_;
     tools_.read(state);
+    touching_.read(state);
   }
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.report(scene().tools()[row]); }
   const ThreadState& do_thread_state(std::size_t row) const override { return tools_.thread(scene().threads()[row]); }
+  const FluidState& do_fluid(std::size_t row) const override { return touching_.fluid(scene(), row); }
   double do_time() const override { return state_.time; }
   std::string do_device() const override { return "one processor core, double precision"; }
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }

@@ -8,7 +8,7 @@
 namespace phymul {
 
 bool AveragedStiffness::is_all_of(const TopologyTextures& t) {
-  return !t.domains.empty() && t.base_count == 0 && t.springs.empty() && t.volumes.empty();
+  return !t.domains.empty() && t.base_count == 0 && t.springs.empty() && t.volumes.empty() && t.walls.empty();
 }
 
 AveragedStiffness::AveragedStiffness(const TopologyTextures& topology) : topology_(topology) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/enclosed_volume.h"
+#include "fluid_push.h"
 
 namespace phymul {
 namespace {
@@ -21,28 +21,67 @@ Vec3 past_friction(const Vec3& push, const Vec3& rubbed) {
 
 }  // namespace
 
+KeptVolumes::Surface KeptVolumes::made(const VolumeConstraint& kept) {
+  Surface surface;
+  surface.triangles = kept.triangles;
+  for (const auto& t : kept.triangles) surface.particles.insert(surface.particles.end(), t.begin(), t.end());
+  std::sort(surface.particles.begin(), surface.particles.end());
+  surface.particles.erase(std::unique(surface.particles.begin(), surface.particles.end()), surface.particles.end());
+  for (auto& t : surface.triangles) {
+    for (Index& i : t) {
+      const auto at = std::lower_bound(surface.particles.begin(), surface.particles.end(), i);
+      i = static_cast<Index>(at - surface.particles.begin());
+    }
+  }
+  for (VecList* list : {&surface.start, &surface.end, &surface.gradient, &surface.along}) {
+    list->resize(surface.particles.size());
+  }
+  surface.now.name = surface.next.name = kept.name;
+  return surface;
+}
+
 void KeptVolumes::follow(const Scene& scene) {
-  surfaces_.clear();
+  std::vector<Surface> now;
+  now.reserve(scene.volume_constraints().size());
   for (std::size_t row = 0; row < scene.volume_constraints().size(); ++row) {
     const VolumeConstraint& kept = scene.volume_constraints()[row];
-    Surface surface;
+    const auto known = std::ranges::find(surfaces_, kept.name, [](const Surface& of) { return of.now.name; });
+    const bool stays = known != surfaces_.end() && known->triangles.size() == kept.triangles.size();
+    Surface& surface = now.emplace_back(stays ? std::move(*known) : made(kept));
     surface.open = scene.is_open(row);
-    surface.volume = kept.volume;
-    surface.triangles = kept.triangles;
-    for (const auto& t : kept.triangles) surface.particles.insert(surface.particles.end(), t.begin(), t.end());
-    std::sort(surface.particles.begin(), surface.particles.end());
-    surface.particles.erase(std::unique(surface.particles.begin(), surface.particles.end()), surface.particles.end());
-    for (auto& t : surface.triangles) {
-      for (Index& i : t) {
-        const auto at = std::lower_bound(surface.particles.begin(), surface.particles.end(), i);
-        i = static_cast<Index>(at - surface.particles.begin());
-      }
+    surface.law = kept.fluid;
+    if (surface.seen != kept.changes) {
+      surface.now.volume = kept.volume;
+      surface.has_pressure = false;
+      surface.seen = kept.changes;
     }
-    for (VecList* list : {&surface.start, &surface.end, &surface.gradient, &surface.along}) {
-      list->resize(surface.particles.size());
-    }
-    surfaces_.push_back(std::move(surface));
   }
+  surfaces_ = std::move(now);
+}
+
+void KeptVolumes::reset(const Scene& scene, const State& state) {
+  for (std::size_t row = 0; row < surfaces_.size(); ++row) {
+    Surface& surface = surfaces_[row];
+    const auto known = std::ranges::find(state.fluids, surface.now.name, &FluidState::name);
+    surface.has_pressure = known != state.fluids.end();
+    if (surface.has_pressure) surface.now = *known;
+    if (!surface.has_pressure) {
+      surface.now.volume = scene.volume_constraints()[row].volume;
+      surface.now.pressure = surface.now.pressure_before = 0.0;
+    }
+  }
+}
+
+void KeptVolumes::read(State& state) const {
+  state.fluids.resize(surfaces_.size());
+  for (std::size_t row = 0; row < surfaces_.size(); ++row) state.fluids[row] = surfaces_[row].now;
+}
+
+const FluidState& KeptVolumes::fluid(const VolumeConstraint& wanted) const {
+  const auto known = std::ranges::find(surfaces_, wanted.name, [](const Surface& of) { return of.now.name; });
+  if (known != surfaces_.end()) return known->now;
+  unseen_ = {.name = wanted.name, .volume = wanted.volume};
+  return unseen_;
 }
 
 int KeptVolumes::act(TouchedParticles& touched) {
@@ -50,6 +89,16 @@ int KeptVolumes::act(TouchedParticles& touched) {
     if (!surfaces_[row].open && !restore(surfaces_[row], touched)) return static_cast<int>(row);
   }
   return -1;
+}
+
+void KeptVolumes::accept() {
+  for (Surface& surface : surfaces_) {
+    if (surface.open) continue;
+    surface.now.volume = surface.next.volume;
+    surface.now.pressure = surface.next.pressure;
+    surface.now.pressure_before = surface.next.pressure_before;
+    surface.has_pressure = true;
+  }
 }
 
 bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
@@ -67,11 +116,28 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
       if (particle.held || (particle.fixed >> a & 1) != 0) surface.along[k][a] = 0.0;
     }
   }
-  const double missing = surface.volume - enclosed_volume(surface.triangles, surface.end);
-  const auto s = root_of_cubic(volume_along(surface.triangles, surface.end, surface.along), missing);
+  FluidPush push{.fluid = surface.law, .volume = surface.now.volume, .dt = touched.dt()};
+  if (push.has_law()) {
+    push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
+    push.before = surface.has_pressure ? surface.now.pressure_before : push.now;
+  }
+  const double reached = enclosed_volume(surface.triangles, surface.end);
+  const auto along = volume_along(surface.triangles, surface.end, surface.along);
+  auto s = root_of_cubic(along, [&](double at) -> WantedVolume {
+    const WantedVolume all = push(at);
+    return {all.volume - reached, all.slope};
+  });
+  surface.next.volume = s ? push.left(*s) : surface.now.volume;
+  // What an opening sucks dry stays as flat as it is.
+  if (!s && surface.law.conductance > 0.0 && reached > 0.0) {
+    s = 0.0;
+    surface.next.volume = reached / fluid_ratio(surface.law, 0.0).volume;
+  }
+  surface.next.pressure = s ? push.pressure(*s) : 0.0;
+  surface.next.pressure_before = push.now;
   // Where nothing is free to make up for it, what a backend in single precision rounds is not a loss; nor is what is no
   // number, whose particle is found out elsewhere.
-  if (!s) return !(std::abs(missing) > rounded_volume_share * surface.volume);
+  if (!s) return !(std::abs(surface.now.volume - reached) > rounded_volume_share * surface.now.volume);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
     // s d is a way; over dt a velocity, times the mass an impulse.

@@ -2,10 +2,14 @@
 //
 // Scene::constrain_volume, in double precision whatever the backend's own is. Along the gradient of the volume at the
 // step's start, over the masses, the particles of the surface go as far as brings the volume at the step's end to the
-// wanted one (the scheme of constraints in Verlet's method, which keeps angular momentum too).
+// one that the fluid then has (the scheme of constraints in Verlet's method, which keeps angular momentum too). Of a
+// fluid with a law of pressure the push is the mean of its pressures at the ends of this step and of the one before,
+// (p+ + 2 p + p-) / 4: Newmark's average acceleration, which is stable in any step and neither gains nor loses energy
+// (Hughes, The Finite Element Method, 1987, ch. 9). Unknown is the push alone.
 #pragma once
 
 #include <phymul/scene.h>
+#include <phymul/state.h>
 
 #include "predicted_step.h"
 
@@ -14,22 +18,33 @@ namespace phymul {
 class KeptVolumes {
  public:
   void follow(const Scene& scene);  ///< allocates
+  /// To the fluids of a state; those without an entry are what the scene says.
+  void reset(const Scene& scene, const State& state);
   bool empty() const { return surfaces_.empty(); }
 
   /// After all else that acts on the step. The row of a volume that cannot be restored; -1: none.
   int act(TouchedParticles& touched);
+  void accept();  ///< the step counts
+  void read(State& state) const;
+  /// Of a constraint of the scene, also of one that follow() has not seen.
+  const FluidState& fluid(const VolumeConstraint& wanted) const;
 
  private:
   struct Surface {
     std::vector<Index> particles;
     std::vector<std::array<Index, 3>> triangles;  // rows of `particles`
-    double volume = 0.0;
-    bool open = false;                    // not kept
-    VecList start, end, gradient, along;  // [particles]
+    bool open = false;                            // not kept
+    VecList start, end, gradient, along;          // [particles]
+    Fluid law;
+    FluidState now, next;
+    bool has_pressure = false;  // now.pressure_before is that of a step, of this much fluid
+    std::uint64_t seen = 0;     // VolumeConstraint::changes
   };
+  static Surface made(const VolumeConstraint& kept);
   static bool restore(Surface& surface, TouchedParticles& touched);
 
   std::vector<Surface> surfaces_;
+  mutable FluidState unseen_;
 };
 
 }  // namespace phymul

@@ -16,6 +16,16 @@ class Touching {
     volumes_.follow(scene);
   }
   void forget() { contacts_.forget(); }  ///< places changed otherwise than step by step
+  void reset(const Scene& scene, const State& state) {
+    forget();
+    volumes_.reset(scene, state);
+  }
+  void accept() { volumes_.accept(); }  ///< the step counts
+  void read(State& state) const { volumes_.read(state); }
+  /// Of a row of Scene::volume_constraints().
+  const FluidState& fluid(const Scene& scene, std::size_t row) const {
+    return volumes_.fluid(scene.volume_constraints()[row]);
+  }
   bool empty() const { return contacts_.empty() && volumes_.empty(); }
   /// Whether it may act in steps in which no particle goes farther than `going`, m, each, and the next one ends with
   /// PredictedStep::gone() no larger than `gone`, m.

@@ -8,12 +8,9 @@
 #include <utility>
 
 namespace phymul {
-namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
-/// Nearest zeros of c1 + 2 c2 s + 3 c3 s^2 below and above 0, where it is positive.
 std::pair<double, double> growing_branch(const std::array<double, 3>& c) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
   const double a = 3.0 * c[2], b = c[1], under = b * b - a * c[0];  // halved form: a s^2 + 2 b s + c1
   std::pair<double, double> ends{-infinite, infinite};
   if (under < 0.0) return ends;
@@ -25,8 +22,6 @@ std::pair<double, double> growing_branch(const std::array<double, 3>& c) {
   }
   return ends;
 }
-
-}  // namespace
 
 double enclosed_volume(Triangles triangles, std::span<const Vec3> position) {
   if (triangles.empty()) return 0.0;
@@ -64,34 +59,6 @@ std::array<double, 3> volume_along(Triangles triangles, std::span<const Vec3> po
   }
   for (double& value : c) value /= 6.0;
   return c;
-}
-
-std::optional<double> root_of_cubic(const std::array<double, 3>& c, double wanted) {
-  if (!(c[0] > 0.0) || !std::isfinite(wanted) || !std::isfinite(c[0] + c[1] + c[2])) return std::nullopt;
-  if (wanted == 0.0) return 0.0;
-  const auto value = [&](double s) { return ((c[2] * s + c[1]) * s + c[0]) * s - wanted; };
-  const auto slope = [&](double s) { return (3.0 * c[2] * s + 2.0 * c[1]) * s + c[0]; };
-  const std::pair<double, double> ends = growing_branch(c);
-  const double end = wanted > 0.0 ? ends.second : ends.first;
-  const auto up_to_end = [end](double s) { return std::abs(s) > std::abs(end) ? end : s; };
-  const auto short_of = [&](double s) { return wanted > 0.0 ? value(s) < 0.0 : value(s) > 0.0; };
-  double far = up_to_end(wanted / c[0]);
-  for (int k = 0; short_of(far); ++k) {
-    if (far == end || k > 1000) return std::nullopt;
-    far = up_to_end(2.0 * far);
-  }
-
-  // Newton's iteration, kept between 0 and there by halving.
-  double low = std::min(0.0, far), high = std::max(0.0, far), s = std::clamp(wanted / c[0], low, high);
-  for (int k = 0; k < 200; ++k) {
-    const double f = value(s);
-    (f < 0.0 ? low : high) = s;
-    const double newton = s - f / slope(s);
-    const double next = newton > low && newton < high ? newton : 0.5 * (low + high);
-    if (f == 0.0 || next == s || next == low || next == high) break;
-    s = next;
-  }
-  return s;
 }
 
 }  // namespace phymul

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "base/decimal.h"
+#include "default_name.h"
 #include "model/enclosed_volume.h"
 #include "model/group.h"
 #include "model/require_indices.h"
@@ -46,6 +47,31 @@ void require_closed(const VolumeConstraint& surface, const Model& model) {
   }
 }
 
+void require_volume(double volume, const std::string& label) {
+  if (volume > 0.0 && std::isfinite(volume)) return;
+  throw Error(label + "expected a volume above 0, in m^3, and triangles counter-clockwise seen from outside; got " +
+              to_decimal(volume));
+}
+
+void require_fluid(const Fluid& fluid, const std::string& label) {
+  const auto require = [&](bool holds, const char* expected, double value) {
+    if (!holds || !std::isfinite(value)) throw Error(label + "expected " + expected + ", got " + to_decimal(value));
+  };
+  require(fluid.outer_pressure > 0.0, "Fluid::outer_pressure above 0 Pa", fluid.outer_pressure);
+  require(fluid.exponent >= 1.0, "Fluid::exponent of 1 or more", fluid.exponent);
+  require(fluid.conductance >= 0.0, "Fluid::conductance of 0 m^3/(Pa s) or more", fluid.conductance);
+  require(true, "a finite Fluid::outlet_pressure, Pa", fluid.outlet_pressure);
+  if (fluid.law != FluidLaw::curve) return;
+  if (fluid.curve.size() < 2) throw Error(label + "expected a Fluid::curve of two points or more");
+  for (std::size_t k = 0; k < fluid.curve.size(); ++k) {
+    const auto [r, p] = fluid.curve[k];
+    const double before = k > 0 ? fluid.curve[k - 1][0] : 0.0;
+    if (r > before && std::isfinite(r) && std::isfinite(p) && (k == 0 || p < fluid.curve[k - 1][1])) continue;
+    throw Error(label + "expected points of Fluid::curve with rising ratios above 0 and falling pressures, got (" +
+                to_decimal(r) + ", " + to_decimal(p) + ") as point " + std::to_string(k));
+  }
+}
+
 void require_sound(const VolumeConstraint& surface, const Model& model, const std::vector<VolumeConstraint>& others) {
   if (model.dimension != 3) throw Error(label(surface) + "expected a three-dimensional model");
   if (surface.triangles.empty()) {
@@ -55,15 +81,14 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
     require_indices(t, model.rest.size(), "particles", [&] { return label(surface); });
   }
   require_closed(surface, model);
-  if (!(surface.volume > 0.0) || !std::isfinite(surface.volume)) {
-    throw Error(label(surface) + "expected a volume above 0, in m^3, and triangles counter-clockwise seen from " +
-                "outside; got " + to_decimal(surface.volume));
-  }
+  require_volume(surface.volume, label(surface));
+  require_fluid(surface.fluid, label(surface));
   std::vector<char> own(model.rest.size(), 0);
   for (const std::array<Index, 3>& t : surface.triangles) {
     for (const Index i : t) own[i] = 1;
   }
   for (const VolumeConstraint& other : others) {
+    if (other.name == surface.name) throw Error(label(surface) + "the name \"" + surface.name + "\" is in use");
     for (const std::array<Index, 3>& t : other.triangles) {
       for (const Index i : t) {
         if (!own[i]) continue;
@@ -118,8 +143,40 @@ Scene& Scene::constrain_volume(std::string_view group) & {
 }
 
 Scene& Scene::constrain_volume(VolumeConstraint surface) & {
+  if (surface.name.empty()) surface.name = default_name("volume", next_volume_, volume_constraints_);
   require_sound(surface, *model_, volume_constraints_);
+  ++next_volume_;
+  surface.changes = ++volume_changes_;
   volume_constraints_.push_back(std::move(surface));
+  ++version_;
+  return *this;
+}
+
+VolumeConstraint& Scene::volume_named(std::string_view name) {
+  return item_named(volume_constraints_, "volume constraint", name);
+}
+
+Scene& Scene::set_volume(std::string_view name, double volume) {
+  VolumeConstraint& own = volume_named(name);
+  require_volume(volume, "set_volume: ");
+  own.volume = volume;
+  own.changes = ++volume_changes_;
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::set_fluid(std::string_view name, Fluid fluid) {
+  VolumeConstraint& own = volume_named(name);
+  require_fluid(fluid, "set_fluid: ");
+  own.fluid = std::move(fluid);
+  ++version_;
+  return *this;
+}
+
+Scene& Scene::remove_volume(std::string_view name) {
+  const auto row = &volume_named(name) - volume_constraints_.data();
+  volume_constraints_.erase(volume_constraints_.begin() + row);
+  if (row < static_cast<std::ptrdiff_t>(open_volumes_.size())) open_volumes_.erase(open_volumes_.begin() + row);
   ++version_;
   return *this;
 }

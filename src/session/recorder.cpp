@@ -98,10 +98,8 @@ void Recorder::record(std::string_view kind, std::string bytes) {
 void Recorder::record_scene() {
   record_threads(true);
   if (scene_version_ != changes_of(scene_)) {
-    const bool anew = volume_bytes(scene_) != before_->volumes;
-    record(input_kind::scene, scene_change_bytes(scene_, *before_, anew));
+    record(input_kind::scene, scene_change_bytes(scene_, *before_, false));
     keep_scene();
-    if (anew) see_threads();
   }
   record_threads(false);
   for (const SceneTool& tool : scene_.tools()) record_tool(tool);

@@ -2,6 +2,8 @@
 #include "scene_bytes.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include "joint_bytes.h"
 #include "thread_bytes.h"
@@ -30,6 +32,70 @@ void volume_fields(Bytes& bytes, Kept& all) {
       for (auto& i : triangle) bytes.field(i, "a particle");
     });
   });
+}
+
+/// What volume_fields() has not, of which files were written before constraints had it.
+template <class Bytes, class Constraint>
+void fluid_fields_of(Bytes& bytes, Constraint& kept) {
+  bytes.field(kept.name, "a name");
+  code(bytes, kept.fluid.law, "a law of a fluid");
+  for (auto* value :
+       {&kept.fluid.outer_pressure, &kept.fluid.exponent, &kept.fluid.conductance, &kept.fluid.outlet_pressure}) {
+    bytes.field(*value, "a constant of a fluid");
+  }
+  bytes.list(kept.fluid.curve, 16, "a number of points", [&](auto& point) {
+    for (auto& value : point) bytes.field(value, "a point of a curve");
+  });
+}
+
+/// A volume in a change: of one that stays no triangles.
+struct VolumeChange {
+  std::vector<VolumeConstraint> kept{1};
+  bool is_new = true, is_set = false;
+};
+
+template <class Bytes, class Change>
+void change_fields(Bytes& bytes, Change& change) {
+  bytes.field(change.is_new, "whether a volume is new");
+  bytes.field(change.is_set, "whether a volume is set");
+  volume_fields(bytes, change.kept);
+  for (auto& kept : change.kept) fluid_fields_of(bytes, kept);
+}
+
+void put_volumes(ByteWriter& out, const Scene& scene, std::span<const VolumeConstraint> before) {
+  std::vector<VolumeChange> all;
+  for (const VolumeConstraint& kept : scene.volume_constraints()) {
+    const auto known = std::ranges::find(before, kept.name, &VolumeConstraint::name);
+    VolumeChange& change = all.emplace_back();
+    change.kept = {kept};
+    change.is_new = known == before.end() || known->triangles != kept.triangles;
+    change.is_set = !change.is_new && known->changes != kept.changes;
+    if (!change.is_new) change.kept.front().triangles.clear();
+  }
+  out.list(std::as_const(all), 0, "", [&](const VolumeChange& change) { change_fields(out, change); });
+}
+
+void take_volumes(ByteReader& in, Scene& scene) {
+  std::vector<VolumeChange> all;
+  in.list(all, 30, "a number of volumes", [&](VolumeChange& change) { change_fields(in, change); });
+  std::vector<std::string> gone;
+  for (const VolumeConstraint& known : scene.volume_constraints()) {
+    const bool stays = std::ranges::any_of(all, [&](const VolumeChange& change) {
+      return !change.is_new && change.kept.size() == 1 && change.kept.front().name == known.name;
+    });
+    if (!stays) gone.push_back(known.name);
+  }
+  for (const std::string& name : gone) scene.remove_volume(name);
+  for (VolumeChange& change : all) {
+    if (change.kept.size() != 1) in.fail("expected one volume at a time; the file is damaged");
+    VolumeConstraint& kept = change.kept.front();
+    if (change.is_new) {
+      scene.constrain_volume(std::move(kept));
+      continue;
+    }
+    if (change.is_set) scene.set_volume(kept.name, kept.volume);
+    scene.set_fluid(kept.name, std::move(kept.fluid));
+  }
 }
 
 template <class Bytes, class Any>
@@ -178,16 +244,10 @@ Load take_load(ByteReader& in) {
   return load;
 }
 
-std::string volume_bytes(const Scene& scene) {
-  ByteWriter out;
-  volume_fields(out, scene.volume_constraints());
-  return out.bytes();
-}
-
 SceneBefore scene_as_it_is(const Scene& scene) {
   SceneBefore now;
   for (const Load& load : scene.loads()) now.loads.push_back(load_bytes(load));
-  now.volumes = volume_bytes(scene);
+  now.volumes = scene.volume_constraints();
   for (const SceneTool& tool : scene.tools()) now.tools.push_back(tool.id);
   for (const SceneJoint& joint : scene.joints()) now.joints.push_back({joint.id, joint_value_bytes(joint.joint)});
   return now;
@@ -225,8 +285,10 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
     tool_fields(out, there);
   }
   put_new_joints(out, scene, from);
-  if (anew) out.raw(volume_bytes(scene));
-  if (anew && !scene.threads().empty()) put_threads(out, scene.threads());
+  const bool volumes = from.volumes != scene.volume_constraints();
+  if (anew) out.u64(0);  // kept volumes where files had them before fluids
+  if (anew && (volumes || !scene.threads().empty())) put_threads(out, scene.threads());
+  if (volumes) put_volumes(out, scene, from.volumes);
   return out.bytes();
 }
 
@@ -267,6 +329,7 @@ void change_scene(Scene& scene, ByteReader& in) {
     for (VolumeConstraint& surface : kept) scene.constrain_volume(std::move(surface));
   }
   if (anew && in.remaining() > 0) add_threads(in, scene);
+  if (in.remaining() > 0) take_volumes(in, scene);
   in.expect_end("a change of the scene");
 }
 

@@ -3,8 +3,9 @@
 // A scene in bytes, load by load. A change of a scene is: whether it starts from an empty one (u8), gravity, contacts,
 // the factors of the materials' stiffness (count, f64 each), the number of loads (u64), the changed ones (count, then
 // row and load each), the joints that stay, by name, with their stiffness, damping and rest lengths where these
-// changed, all tools by name, with what they are where they are new, the new joints, and after an empty scene the kept
-// volumes and, if there are some, the threads. Later changes of threads are inputs of their own.
+// changed, all tools by name, with what they are where they are new, the new joints, after an empty scene a number of
+// kept volumes (0, but in older files) and the threads, if anything follows, and all volumes, if some changed. Later
+// changes of threads are inputs of their own.
 #pragma once
 
 #include <phymul/scene.h>
@@ -16,12 +17,10 @@ namespace phymul {
 std::string load_bytes(const Load& load);
 Load take_load(ByteReader& in);  ///< throws Error for a value that no load has; the scene checks the rest
 
-std::string volume_bytes(const Scene& scene);
-
 /// A scene as it was: what a change is told from.
 struct SceneBefore {
-  std::vector<std::string> loads;    ///< load_bytes of each
-  std::string volumes;               ///< volume_bytes
+  std::vector<std::string> loads;  ///< load_bytes of each
+  std::vector<VolumeConstraint> volumes;
   std::vector<std::uint64_t> tools;  ///< SceneTool::id
   struct Joint {
     std::uint64_t id = 0;  ///< SceneJoint::id
@@ -31,8 +30,7 @@ struct SceneBefore {
 };
 SceneBefore scene_as_it_is(const Scene& scene);
 
-/// The change from a scene as it was; `anew`: from an empty one. A kept volume can only be taken back by making the
-/// scene anew.
+/// The change from a scene as it was; `anew`: from an empty one.
 std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bool anew);
 
 /// Makes such a change. Throws Error for bytes that are none, or that the scene refuses.

@@ -75,14 +75,16 @@ Solver& Simulation::Parts::solver() {
     warnings.insert(warnings.end(), topology->notes.begin(), topology->notes.end());
     if (options.solver.sleep_tolerance) {
       const bool has_material = !topology->domains.empty(), dissipates = !topology->dissipation.empty();
-      if (made->name() != "cpu" || !has_material || dissipates) {
+      const bool walls = !topology->walls.empty();
+      if (made->name() != "cpu" || !has_material || dissipates || walls) {
         warnings.emplace_back(
-            "SolverOptions::sleep_tolerance has no effect: only the backend \"cpu\" has sleep, and only bodies with a "
-            "material that does not dissipate; this is the backend \"" +
+            "SolverOptions::sleep_tolerance has no effect: only the backend \"cpu\" has sleep, and only bodies without "
+            "walls and with a material that does not dissipate; this is the backend \"" +
             std::string(made->name()) + "\"" +
-            (!has_material ? " and a body without a material"
-             : dissipates  ? " and a body with a retardation_time or relaxation_strength"
-                           : ""));
+            (walls           ? " and a body with walls"
+             : !has_material ? " and a body without a material"
+             : dissipates    ? " and a body with a retardation_time or relaxation_strength"
+                             : ""));
       }
     }
     if (options.log) std::ranges::for_each(warnings, options.log);

@@ -18,6 +18,7 @@
 #include "statics/rest_search.h"
 #include "statics/rest_tools.h"
 #include "statics/rigid_motions.h"
+#include "statics/wall_rest.h"
 
 namespace phymul {
 namespace {
@@ -50,10 +51,20 @@ void require_supported(const SceneTool& tool, const Solver& solver) {
 
 void require_supported(const TopologyTextures& topology, const Scene& scene, const Solver& solver) {
   if (topology.dimension == 2) refuse("expected a body in three dimensions, got one in two");
-  if (!topology.walls.empty()) refuse("expected a body of cells that fill space, got walls");
-  if (!AveragedStiffness::is_all_of(topology)) refuse("expected a body with a material, got stiffnesses in N/m");
+  const bool walls = !topology.walls.empty();
+  if (walls && !topology.domains.empty()) refuse("expected a body of cells or of walls alone, got both in one model");
+  if (walls && !scene.tools().empty()) refuse("the body has walls, and the scene has tools");
+  if (walls && !scene.joints().empty()) refuse("the body has walls, and the scene has joints");
+  if (!walls && !AveragedStiffness::is_all_of(topology)) {
+    refuse("expected a body with a material, got stiffnesses in N/m");
+  }
+  std::vector<char> elastic(static_cast<std::size_t>(topology.particle_count), 0);
+  for (const DomainTexel& domain : topology.domains) elastic[domain.particle] = 1;
+  for (const WallTexel& wall : topology.walls) {
+    for (std::size_t k = 0; k < 3; ++k) elastic[wall.vertex[k]] = 1;
+  }
   for (Index i = 0; i < topology.particle_count; ++i) {
-    if (topology.first_domain[i] != topology.first_domain[i + 1] || topology.mass[i] == 0.0) continue;
+    if (elastic[i] != 0 || topology.mass[i] == 0.0) continue;
     refuse("particle " + std::to_string(i) + " is in no cell with a material");
   }
   for (const SceneTool& tool : scene.tools()) require_supported(tool, solver);
@@ -76,9 +87,18 @@ double strained_energy(const TopologyTextures& topology) {
   return energy;
 }
 
-/// The bodies of which imposed coordinates do not hold every rigid motion.
+/// The bodies of which imposed coordinates do not hold every rigid motion. A clamped edge (clamp_edges) of a wall keeps
+/// its direction in space, so that it turns about none of its held particles.
 std::vector<ConnectedBody> loose_bodies(const Model& model, const LoadFrame& loads) {
   std::vector<ConnectedBody> bodies = connected_bodies(model);
+  std::vector<char> clamped(model.rest.size(), 0);
+  for (const Cell& cell : model.cells) {
+    if (cell.type != CellType::line || cell.material < 0 || loads.fixed.empty()) continue;
+    for (const Index i : cell.particles) clamped[i] = loads.fixed[i] == 7;
+  }
+  std::erase_if(bodies, [&](const ConnectedBody& body) {
+    return std::ranges::any_of(body.particles, [&](Index i) { return clamped[i] != 0; });
+  });
   std::erase_if(
       bodies, [&](const ConnectedBody& body) { return free_motions(body.particles, model.rest, loads.fixed).empty(); });
   return bodies;
@@ -231,6 +251,10 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   StaticResult result;
   const std::vector<ConnectedBody> loose = loose_bodies(model(), loads);
   result.cause = why_no_rest(model(), loads, terms, loose);
+  const bool walls = !topology.walls.empty();
+  if (walls && !loose.empty() && result.cause.empty()) {
+    result.cause = "a wall is not held against every rigid motion; hold it, or use run_to_rest()";
+  }
   if (!result.cause.empty()) return result;
 
   double gain = 0.0;  // J, by beginning at the rest shape, where springs and tools alone may have energy
@@ -244,6 +268,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
       squared_way_to_targets(loads, topology.rest) <= squared_way_to_targets(loads, state.position);
   if (begins_anew) state.position = topology.rest;
   const auto search = [&](int most_evaluations) {
+    if (walls) return search_wall_rest(topology, loads, options.tolerance, most_evaluations, state.position);
     return search_rest(topology, loads, terms, loose, diagonal, options.tolerance, most_evaluations, state.position);
   };
   RestSearchEnd end = search(options.most_evaluations);

@@ -21,7 +21,7 @@ namespace {
 /// Parts in the bytes alone, so that files are read that were written before snapshots had them.
 constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
                      *cuts_part = "cuts", *blades_part = "blades", *threads_part = "threads",
-                     *scene_threads_part = "scene threads";
+                     *scene_threads_part = "scene threads", *fluids_part = "fluids";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -96,6 +96,16 @@ void take_scene(ByteReader& in, Snapshot& snapshot) {
   snapshot.scene = std::make_shared<const SceneParts>(std::move(scene));
 }
 
+template <class Bytes, class Fluids>
+void fluid_fields(Bytes& bytes, Fluids& fluids) {
+  bytes.list(fluids, 28, "a number of fluids", [&](auto& fluid) {
+    bytes.field(fluid.name, "a fluid's name");
+    bytes.field(fluid.volume, "a volume");
+    bytes.field(fluid.pressure, "a pressure");
+    bytes.field(fluid.pressure_before, "a pressure");
+  });
+}
+
 template <class Bytes, class Points>
 void blade_fields(Bytes& bytes, Points& points) {
   bytes.list(points, 57, "a number of points of a blade", [&](auto& point) {
@@ -128,7 +138,9 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   const bool blades = std::ranges::any_of(snapshot.state.tools, [](const ToolState& t) { return !t.blade.empty(); });
   const bool threads = !snapshot.state.threads.empty();
   const bool scene_threads = with_scene && !snapshot.scene->threads.empty();
-  const std::array<bool, 7> further{moved, with_scene, removed, !snapshot.cuts.empty(), blades, threads, scene_threads};
+  const bool fluids = !snapshot.state.fluids.empty();
+  const std::array<bool, 8> further{moved,  with_scene, removed,       !snapshot.cuts.empty(),
+                                    blades, threads,    scene_threads, fluids};
   out.u64(snapshot.parts.size() + static_cast<std::size_t>(std::ranges::count(further, true)));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
@@ -169,6 +181,12 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     ByteWriter states;
     put_thread_states(states, snapshot.state.threads);
     out.text(threads_part);
+    out.text(states.bytes());
+  }
+  if (fluids) {
+    ByteWriter states;
+    fluid_fields(states, snapshot.state.fluids);
+    out.text(fluids_part);
     out.text(states.bytes());
   }
   if (!moved) return;
@@ -240,6 +258,16 @@ Snapshot take_snapshot(ByteReader& in) {
     if (part.name == threads_part) {
       snapshot.state.threads = take_thread_states(bytes);
       bytes.expect_end("the threads");
+      continue;
+    }
+    if (part.name == fluids_part) {
+      fluid_fields(bytes, snapshot.state.fluids);
+      bytes.expect_end("the fluids");
+      const bool sound = std::ranges::all_of(snapshot.state.fluids, [](const FluidState& fluid) {
+        return fluid.volume > 0.0 && std::isfinite(fluid.volume) && std::isfinite(fluid.pressure) &&
+               std::isfinite(fluid.pressure_before);
+      });
+      if (!sound) in.fail("expected fluids with a volume above 0 and finite pressures; the file is damaged");
       continue;
     }
     if (part.name == motion_part) {

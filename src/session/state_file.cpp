@@ -35,6 +35,7 @@ std::size_t bytes_of(const Snapshot& snapshot) {
   for (const ThreadState& thread : snapshot.state.threads) {
     bytes += sizeof thread + 2 * thread.position.size() * (sizeof(Vec3) + sizeof(double));
   }
+  for (const FluidState& fluid : snapshot.state.fluids) bytes += sizeof fluid + fluid.name.size();
   bytes += snapshot.tools.size() * sizeof(ToolMemory);  // Snapshot::scene is shared by all that have the same
   for (const JointReport& joint : snapshot.joints) bytes += sizeof joint + joint.springs.size() * sizeof(SpringReport);
   bytes += snapshot.removed_cells.size() * sizeof(Index) + snapshot.cuts.size() * sizeof(snapshot.cuts.front());

@@ -4,6 +4,7 @@
 // the last.
 #pragma once
 
+#include <phymul/fluid.h>
 #include <phymul/load.h>
 #include <phymul/thread.h>
 
@@ -25,6 +26,9 @@ constexpr int codes_of(ShapeKind) {
 }
 constexpr int codes_of(ToolContact) {
   return static_cast<int>(ToolContact::surface) + 1;
+}
+constexpr int codes_of(FluidLaw) {
+  return static_cast<int>(FluidLaw::curve) + 1;
 }
 constexpr int codes_of(TipHold) {
   return static_cast<int>(TipHold::anchored) + 1;

@@ -36,6 +36,11 @@ const ThreadState& SolverBackend::do_thread_state(std::size_t) const {
   throw Error(ErrorCode::not_supported, "this backend does not take threads");
 }
 
+const FluidState& SolverBackend::do_fluid(std::size_t) const {
+  throw Error(ErrorCode::not_supported,
+              "Solver::fluid: this backend does not report fluids; use \"cpu\" or \"reference\"");
+}
+
 Solver::Solver() = default;
 Solver::~Solver() = default;
 
@@ -110,6 +115,10 @@ const JointReport& Solver::joint_report(const JointHandle& joint) const {
 
 const ThreadState& Solver::thread_state(std::string_view name) const {
   return thread_state_at(row_named(scene().threads(), "thread", name));
+}
+
+const FluidState& Solver::fluid(std::string_view name) const {
+  return fluid_at(row_named(scene().volume_constraints(), "volume constraint", name));
 }
 
 const ThreadState& Solver::thread_state(const ThreadHandle& thread) const {

@@ -81,7 +81,7 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
         "N/m (or a material in Pa) of a real body");
   }
   take_spectrum();
-  if (options_.max_substeps > 1 && !topology_->domains.empty()) {
+  if (options_.max_substeps > 1 && !topology_->domains.empty() && topology_->walls.empty()) {
     local_steps_ = choose_local_steps(*topology_, own_spectrum_, options_.max_substeps);
   }
   spacing_ = mean_spacing(model());
@@ -348,6 +348,12 @@ const char* SolverBackend::beyond_devices() const {
   if (!topology_->walls.empty()) {
     return "the body has walls (materials with a thickness), which this backend does not do; use \"cpu\" or "
            "\"reference\"";
+  }
+  if (std::ranges::any_of(scene_->volume_constraints(), [](const VolumeConstraint& kept) {
+        return kept.fluid.law != FluidLaw::incompressible || kept.fluid.conductance > 0.0;
+      })) {
+    return "the scene has a fluid that is not incompressible or has an opening, which this backend does not do; use "
+           "\"cpu\" or \"reference\"";
   }
   if (local_steps_) {
     return "SolverOptions::max_substeps is above 1, and parts of this body would have local steps, which this backend "

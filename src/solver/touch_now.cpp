@@ -40,6 +40,7 @@ TouchNow::TouchNow(const Scene& scene, const TopologyTextures& topology, const S
   tools_.follow(scene);
   tools_.reset(scene, state);
   touching_.follow(scene, tools_.surface());
+  touching_.reset(scene, state);
   touched_.prepare(topology.mass, loads_.fixed, topology.dimension == 2);
 }
 

@@ -37,7 +37,7 @@ void sort_unique(std::vector<T>& list) {
 }  // namespace
 
 BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), topology_(topology) {
-  if (topology.domains.empty() || is_body_of_points(model)) {
+  if (topology.domains.empty() || !topology.walls.empty() || is_body_of_points(model)) {
     throw Error(ErrorCode::not_supported,
                 std::string("remove_cells: expected a body of cells with a material (set_material), got ") +
                     (topology.walls.empty() ? "one without" : "walls, which cannot be changed while they run"));

@@ -61,12 +61,25 @@ std::vector<Index> particles_without_base(const BaseTable& table) {
   return result;
 }
 
-std::vector<Index> particles_without_domain(const TopologyTextures& topology) {
+/// Neither in a cell that fills space nor in a wall.
+std::vector<Index> particles_without_volume(const TopologyTextures& topology) {
+  std::vector<char> has(static_cast<std::size_t>(topology.particle_count), 0);
+  for (const DomainTexel& domain : topology.domains) has[domain.particle] = 1;
+  for (const WallTexel& wall : topology.walls) {
+    for (int k = 0; k < 3; ++k) has[wall.vertex[k]] = 1;
+  }
   std::vector<Index> result;
   for (Index i = 0; i < topology.particle_count; ++i) {
-    if (topology.first_domain[i] == topology.first_domain[i + 1]) result.push_back(i);
+    if (has[i] == 0) result.push_back(i);
   }
   return result;
+}
+
+/// Cells that fill space and have a material, or a body of points.
+bool has_tissue_in_space(const Model& model) {
+  return is_body_of_points(model) || std::ranges::any_of(model.cells, [&](const Cell& cell) {
+           return is_solid(model.dimension, cell) && cell.material >= 0;
+         });
 }
 
 std::string how_to_get_bases(const Model& model, BaseSelection bases) {
@@ -189,9 +202,9 @@ TopologyTextures start(const Model& model, const TopologyOptions& options) {
   TopologyTextures topology;
   topology.options = options;
   if (!options.law) {
-    topology.options.law = model.materials.empty() ? Law::shape_memory
-                           : has_walls(model)      ? Law::walls
-                                                   : Law::particle_averaged;
+    topology.options.law = model.materials.empty()                           ? Law::shape_memory
+                           : has_walls(model) && !has_tissue_in_space(model) ? Law::walls
+                                                                             : Law::particle_averaged;
   }
   topology.dimension = model.dimension;
   topology.model = model_fingerprint(model);
@@ -212,15 +225,24 @@ BaseTable no_bases(const Model& model) {
 void build_averaged(const Model& model, TopologyTextures& topology) {
   const TopologyOptions& options = topology.options;
   require(!model.materials.empty(), "Law::particle_averaged needs a material: call set_material, or use another law");
-  require(!has_walls(model), "materials with a thickness need Law::walls; leave TopologyOptions::law empty");
+  require(!has_walls(model) || has_tissue_in_space(model),
+          "a body of walls alone needs Law::walls; leave TopologyOptions::law empty");
   require(
       options.reaction == Reaction::conservative,
       "a material needs Reaction::conservative: the other reactions have no stiffness against uniform strain inside "
       "a body. Use it, or clear Model::materials and set stiffness in N/m");
   require(options.volume_stiffness == 0.0,
           "volume_stiffness is for models without a material; with one it follows from Poisson's ratio. Set it to 0");
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    if (!is_solid(model.dimension, cell) || cell.material < 0 || model.materials[cell.material].thickness == 0.0)
+      continue;
+    throw Error(ErrorCode::invalid_model,
+                cell_label(model, row) + " fills space, but its material has a thickness, which is for triangles");
+  }
   add_averaged_terms(model, topology);
-  treat_sparse(model, particles_without_domain(topology), topology);
+  topology.walls = wall_terms(model);
+  treat_sparse(model, particles_without_volume(topology), topology);
   topology.notes = notes_on_stretched_cells(model);
 }
 
@@ -231,23 +253,11 @@ void build_walls(const Model& model, TopologyTextures& topology) {
   require(options.reaction == Reaction::conservative && options.volume_stiffness == 0.0 &&
               options.strain_energy == StrainEnergy::neo_hookean,
           "Law::walls takes no other reaction, volume_stiffness or strain_energy than the defaults; leave them");
-  for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    if (!is_solid(model.dimension, model.cells[row]) || model.cells[row].material < 0) continue;
-    throw Error(ErrorCode::not_supported,
-                cell_label(model, row) +
-                    " fills space and has a material, but other cells of the model are walls; walls "
-                    "and volumes in one model are not supported; give the walls a simulation of their own");
-  }
+  require(!has_tissue_in_space(model),
+          "Law::walls is for walls alone, but volume cells of the model have a material; leave TopologyOptions::law "
+          "empty");
   topology.walls = wall_terms(model);
-  std::vector<char> has_wall(model.rest.size(), 0);
-  for (const WallTexel& wall : topology.walls) {
-    for (int k = 0; k < 3; ++k) has_wall[wall.vertex[k]] = 1;
-  }
-  std::vector<Index> without;
-  for (Index i = 0; i < model.particle_count(); ++i) {
-    if (has_wall[i] == 0) without.push_back(i);
-  }
-  treat_sparse(model, without, topology);
+  treat_sparse(model, particles_without_volume(topology), topology);
 }
 
 BaseTable build_plain(const Model& model, TopologyTextures& topology) {

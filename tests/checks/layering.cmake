@@ -9,7 +9,7 @@ cmake_policy(SET CMP0140 NEW)  # return(PROPAGATE)
 # Each row: a room, then the public headers it defines.
 set(rooms
     "base types error version task_runner"
-    "model model body_cut shapes check surface skin state state_transfer monitor distance_grid tool needle blade tearing joint thread"
+    "model model body_cut shapes check surface skin state state_transfer monitor distance_grid tool needle blade tearing joint thread fluid"
     "body body labels surface_patch wall"
     "scene scene load load_frame bodies"
     "io pml lml mesh surface_file label_file writer"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What docs/guide/walls.md shows, built and run.
+// What docs/guide/walls.md and fluids.md show, built and run.
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
@@ -25,6 +25,45 @@ TEST(GuideWalls, SheetOnAClampedEdgeSags) {
   // A cantilever under its weight: q L^4 / (8 E I) = 12 rho g L^4 / (8 E t^2), less where it is a plate.
   const double beam = 12.0 * 1050.0 * 0.03 * 1e-4 / (8.0 * 50e3 * 9e-6);
   EXPECT_NEAR(sim.max_displacement() / beam, 0.8, 0.2);
+}
+
+TEST(GuideWalls, CapsuleHoldsALiver) {
+  phymul::Model liver = phymul::make_block({0.08, 0.05, 0.03}, 16, 10, 6);
+  phymul::set_material(liver, {.young = 3e3, .poisson = 0.45, .density = 1050});
+  phymul::add_capsule(liver, {.young = 1e6, .poisson = 0.45, .density = 1050, .thickness = 0.1e-3});
+
+  phymul::Model bare = phymul::make_block({0.08, 0.05, 0.03}, 16, 10, 6);
+  phymul::set_material(bare, {.young = 3e3, .poisson = 0.45, .density = 1050});
+  double sag[2] = {0.0, 0.0};
+  for (const phymul::Model* body : {&bare, &liver}) {
+    phymul::Simulation sim(*body, {.damping = {.rate = 15}});
+    sim.scene().fix("x0").gravity({0, 0, -0.5});
+    EXPECT_TRUE(sim.advance(0.4).ok());
+    sag[body == &liver] = sim.max_displacement();
+  }
+  EXPECT_LT(sag[1], 0.8 * sag[0]);
+}
+
+TEST(GuideFluids, BagDrains) {
+  const phymul::Model ball = phymul::make_body(phymul::solid_ball({0, 0, 0}, 0.02), {.spacing = 6e-3});
+  const phymul::Surface surface{.vertices = ball.rest, .triangles = phymul::surface_triangles(ball), .notes = {}};
+  const phymul::Material wall{.young = 20e3, .poisson = 0.45, .density = 1050, .thickness = 1e-3};
+  const phymul::Model bag = phymul::make_wall(surface, {.material = wall});
+  const auto triangles = phymul::surface_triangles(bag);
+  const double full = 1.1 * 4.0 / 3.0 * 3.14159 * 8e-6;
+  phymul::Simulation sim(bag, {.damping = {.rate = 20}});
+
+  phymul::VolumeConstraint bile{.triangles = triangles, .volume = full, .applied_to = {}, .name = "bile"};
+  sim.scene().constrain_volume(bile);
+  EXPECT_TRUE(sim.advance(0.05).ok());
+  EXPECT_GT(sim.solver().fluid("bile").pressure, 10.0);
+
+  phymul::Fluid open;
+  open.conductance = 1e-9;        // m^3/(Pa s)
+  open.outlet_pressure = -500.0;  // Pa
+  sim.scene().set_fluid("bile", open);
+  EXPECT_TRUE(sim.advance(0.5).ok());
+  EXPECT_LT(sim.solver().fluid("bile").volume, full - 2.5e-7);
 }
 
 }  // namespace

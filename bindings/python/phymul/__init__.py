@@ -3,7 +3,7 @@
 
 from ._library import Error, ErrorCode, library as _c, text_of as _text_of
 from .body import (Body, Material, MaterialFit, body_from_arrays, fit_material, make_block, make_body, make_cylinder,
-                   make_tetrahedral_block, read_body, read_surface)
+                   make_tetrahedral_block, make_wall, read_body, read_surface)
 from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Joint, JointReport, Load, Pose, Skin, Sphere, Tool,
                           ToolForce)
 from .planner import Candidate, Plan, Trial, plan
@@ -21,5 +21,5 @@ __all__ = [
     "Anchor", "Blade", "Body", "Box", "Candidate", "Capsule", "Energy", "Error", "ErrorCode", "HalfSpace", "Joint",
     "JointReport", "Load", "Material", "MaterialFit", "Plan", "Pose", "RestReport", "Simulation", "Skin", "Snapshot",
     "Sphere", "StepError", "StepReport", "Tool", "ToolForce", "Trial", "backends", "body_from_arrays", "fit_material",
-    "make_block", "make_body", "make_cylinder", "make_tetrahedral_block", "plan", "read_body", "read_surface",
+    "make_block", "make_body", "make_cylinder", "make_tetrahedral_block", "make_wall", "plan", "read_body", "read_surface",
 ]

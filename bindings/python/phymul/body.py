@@ -34,6 +34,7 @@ class Material:
     exponent: float = 0.0
     second: float = 0.0
     second_fades: float = 0.0
+    thickness: float = 0.0  # m, of walls of triangles; 0: not a wall
 
     @property
     def _struct(self) -> Any:
@@ -155,6 +156,10 @@ class Body(Owner):
                                          group.encode() if group else None)
         return material
 
+    def add_capsule(self, material: Material) -> None:
+        """Gives the outer faces of the cells a wall on the body's own particles."""
+        library.phymul_body_add_capsule(self._pointer, ctypes.byref(material._struct))
+
     def cut(self, point: Vector, normal: Vector, front: Optional[tuple[Vector, Vector]] = None) -> Body:
         """A body of tetrahedra, cut along a plane; where `front`, a point and a normal, is given, only behind it. Set
         materials before. The faces of the cut touch under contacts."""
@@ -211,6 +216,15 @@ def make_body(vertices: Any, triangles: Any, spacing: float, fine: Sequence[tupl
                                    for at, radius, own in fine))
     return Body(make("body", library.phymul_body_fill, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
                      len(triangles), spacing, places, len(fine)))
+
+
+def make_wall(vertices: Any, triangles: Any, material: Material, spacing: float = 0.0) -> Body:
+    """A wall of a material with a thickness, with the surface as its middle. No side of a triangle is longer than 1.4
+    times the spacing, m; 0: as they are."""
+    vertices = floats(vertices, (-1, 3), "vertices")
+    triangles = integers(triangles, 3, "triangles")
+    return Body(make("body", library.phymul_body_wall, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
+                     len(triangles), spacing, ctypes.byref(material._struct)))
 
 
 def body_from_arrays(rest: Any, cells: Optional[dict[str, Any]] = None) -> Body:

@@ -104,6 +104,20 @@ class Bodies(Refusals):
         with self.assertRaisesRegex(phymul.Error, "fine <= coarse|fine"):
             phymul.make_body(CUBE, FACES, 0.006, fine=[((0, 0, 0), 0.004, 0.01)])
 
+    def test_walls_and_capsules_weigh_their_thickness(self):
+        skin = phymul.Material(1e5, 0.4, 1000, thickness=0.5e-3)
+        wall = phymul.make_wall(CUBE, FACES, skin, spacing=0.006)
+        self.assertGreater(len(wall.rest), 100)
+        self.assertAlmostEqual(wall.masses.sum(), 1000 * 0.5e-3 * 6 * 0.02**2, delta=1e-9)
+        with phymul.Simulation(wall, backend="cpu") as simulation:
+            self.assertTrue(simulation.advance(1e-3))
+        block = phymul.make_block((0.02, 0.02, 0.02), 2, 2, 2)
+        block.set_material(5e3, 0.4, 1000)
+        block.add_capsule(skin)
+        self.assertAlmostEqual(block.masses.sum(), 1000 * 0.02**3 + 1000 * 0.5e-3 * 6 * 0.02**2, delta=1e-9)
+        with self.assertRaisesRegex(phymul.Error, "a thickness above 0"):
+            block.add_capsule(phymul.Material(1e5, 0.4, 1000))
+
     def test_arrays_come_back(self):
         block = phymul.make_tetrahedral_block((0.02, 0.02, 0.02), 2, 2, 2)
         again = phymul.body_from_arrays(block.rest, {"tetrahedron": np.array(block.cells)})

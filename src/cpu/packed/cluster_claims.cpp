@@ -27,7 +27,8 @@ int size_of(std::uint64_t run) {
 std::vector<int> shared_out(const PackedBody& body, int parts) {
   std::vector<int> first{0};
   double done = 0.0;
-  const double all = body.cost();
+  double all = 0.0;
+  for (const Cluster& cluster : body.clusters) all += cluster.cost;
   for (std::size_t c = 0; c < body.clusters.size(); ++c) {
     const double middle = done + 0.5 * body.clusters[c].cost;
     while (static_cast<int>(first.size()) < parts && middle >= all * static_cast<double>(first.size()) / parts) {

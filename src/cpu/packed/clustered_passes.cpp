@@ -72,6 +72,14 @@ void ClusteredPasses::run(const char* u, char* force, char* pull, ThreadPool& po
   laps.end(Work::waiting);
 }
 
+void ClusteredPasses::add_to_particles(char* force, WorkLaps& laps) const {
+  auto* const quads = reinterpret_cast<float*>(force);
+  for (const auto& [to, from] : body_.wall_sums) {
+    for (int a = 0; a < 4; ++a) quads[4 * std::ptrdiff_t{to} + a] += quads[4 * std::ptrdiff_t{from} + a];
+  }
+  laps.end(Work::walls);
+}
+
 void ClusteredPasses::add_cluster(int c, const char* u, char* force, char* pull, char* near, WorkLaps& laps) const {
   const Cluster& cluster = body_.clusters[static_cast<std::size_t>(c)];
   simd::Job job = cluster.job;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The elastic forces of a body of attractors, springs and volumes: the kernels of its clusters, shared out over
+// The elastic forces of a body of attractors, springs, volumes and walls: the kernels of its clusters, shared out over
 // threads.
 #pragma once
 
@@ -22,6 +22,8 @@ class ClusteredPasses {
   /// `u`: [places] m; `force`: null where nothing pushes, or [PackedBody::force_rows] N, `pull`: null where particles
   /// give no pull, or [places] N; both written. `laps`: of the calling thread; `no_laps`: those of the others.
   void run(const char* u, char* force, char* pull, ThreadPool& pool, WorkLaps& laps, WorkLaps& no_laps);
+  /// Of a body of Law::particle_averaged: adds what run() found to the forces of its particles.
+  void add_to_particles(char* force, WorkLaps& laps) const;
 
  private:
   void add_cluster(int c, const char* u, char* force, char* pull, char* near, WorkLaps& laps) const;

@@ -48,6 +48,43 @@ class BodyPacker {
   }
 
   void pack() {
+    pack_clusters();
+    pack_particles();
+    pack_halo();
+    if (body_.gives()) pack_gifts();
+    if (!body_.pushes()) {
+      body_.force_rows = 0;
+      for (Offsets* rows : {&body_.own, &body_.halo_first, &body_.halo}) *rows = {};
+    }
+  }
+
+  /// The walls of a body that pack_averaged() has packed. Their clusters' forces stand behind its own.
+  void pack_walls() {
+    body_.force_rows = (body_.force_rows + 3) / 4 * 4;
+    pack_clusters();
+    std::erase_if(body_.clusters, [](const Cluster& cluster) { return cluster.job.walls.count == 0; });
+    std::vector<char> in_wall(static_cast<std::size_t>(body_.places), 0);
+    for (const WallTexel& wall : t_.walls) {
+      for (const Index i : wall.vertex) {
+        if (i != none) in_wall[i] = 1;
+      }
+    }
+    for (const Cluster& cluster : body_.clusters) {
+      for (std::int32_t place = cluster.first; place < cluster.first + cluster.own; ++place) {
+        if (in_wall[place] == 0) continue;
+        const auto quad = static_cast<std::int32_t>(body_.quad_of(static_cast<std::size_t>(place)));
+        body_.wall_sums.push_back({quad, static_cast<std::int32_t>(cluster.force_first) + quad - cluster.first});
+      }
+      for (std::size_t k = 0; k < cluster.halo.size(); ++k) {
+        body_.wall_sums.push_back(
+            {cluster.halo[k], static_cast<std::int32_t>(cluster.force_first + cluster.own + static_cast<Index>(k))});
+      }
+    }
+    std::ranges::sort(body_.wall_sums);
+  }
+
+ private:
+  void pack_clusters() {
     const auto count = static_cast<std::size_t>((t_.particle_count + size_ - 1) / size_);
     body_.clusters.resize(count);
     TermPacker terms(t_, size_, count, body_);
@@ -61,16 +98,8 @@ class BodyPacker {
       body_.force_rows += (cluster.slots() + 3) / 4 * 4;  // whole lines of the cache: slices do not cross them
     }
     terms.point_jobs();
-    pack_particles();
-    pack_halo();
-    if (body_.gives()) pack_gifts();
-    if (!body_.pushes()) {
-      body_.force_rows = 0;
-      for (Offsets* rows : {&body_.own, &body_.halo_first, &body_.halo}) *rows = {};
-    }
   }
 
- private:
   void pack_particles() {
     body_.places = body_.clusters.empty() ? 0 : body_.clusters.back().first + body_.clusters.back().own;
     std::vector<Index> order(static_cast<std::size_t>(t_.particle_count));
@@ -183,6 +212,13 @@ bool domains_recur(const TopologyTextures& t) {
   return 2 * repeated.size() >= count;
 }
 
+/// Of a body of Law::particle_averaged: what of it are walls.
+void add_walls(const TopologyTextures& topology, PackedBody& body) {
+  if (topology.walls.empty()) return;
+  TopologyTextures walls = renumbered(topology, body.order);
+  BodyPacker(walls, cluster_size, body).pack_walls();
+}
+
 double rough_cost(const TopologyTextures& t, int lanes) {
   const double base = t.options.reaction == Reaction::averaged ? 80.0 : 50.0;
   return (base * t.base_count + 16.0 * static_cast<double>(t.springs.size()) +
@@ -235,9 +271,13 @@ std::unique_ptr<PackedBody> make_packed_body(const TopologyTextures& topology, i
   if (!topology.domains.empty()) {
     BodyPacker packer(topology, 0, *body);
     if (domains_recur(topology)) body->order = line_order(topology.rest);
-    if (!body->order.empty() && packer.pack_averaged(AveragedLinks::runs)) return body;
+    if (!body->order.empty() && packer.pack_averaged(AveragedLinks::runs)) {
+      add_walls(topology, *body);
+      return body;
+    }
     body->order = locality_order(topology.rest, links_of(topology), averaged_window);
     packer.pack_averaged(AveragedLinks::by_slot);
+    add_walls(topology, *body);
     return body;
   }
   const bool whole = topology.particle_count <= whole_size && rough_cost(topology, lanes) <= whole_cost;

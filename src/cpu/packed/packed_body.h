@@ -42,7 +42,9 @@ struct PackedBody {
       give_first;
   Floats bases, enumerated, springs, volumes, walls, stiffness, inverse_mass, mass, give;
 
-  PackedAverages averages;  ///< of Law::particle_averaged, whose bodies have no clusters
+  PackedAverages averages;  ///< of Law::particle_averaged, whose bodies have clusters of walls alone
+  /// Of such clusters: the quad of a particle's force, and a row that a cluster adds to it.
+  std::vector<std::array<std::int32_t, 2>> wall_sums;
 
   std::size_t most_slots() const;  ///< of a cluster
   int slices() const { return places / lanes; }

@@ -216,12 +216,13 @@ void PackedTools::shift(float* next_u) {
 
 void PackedTools::reset(const Scene& scene, const State& state) {
   set_.reset(scene, state);
-  touching_.forget();
+  touching_.reset(scene, state);
   farthest_ = std::numeric_limits<double>::infinity();
 }
 
 void PackedTools::accept(const simd::MoveSummary& moved, double dt) {
   set_.accept();
+  touching_.accept();
   farthest_ = std::sqrt(double{moved.displacement}) + farthest_shift_;
   gone_ += longest_way(moved, dt) + farthest_shift_;
 }

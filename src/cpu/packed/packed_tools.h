@@ -39,6 +39,11 @@ class PackedTools {
   /// Quads of the particles that the last act() pushed, and of those that shift() will move with the way of each, m.
   std::span<const std::size_t> pushed() const { return pushed_; }
   std::span<const std::pair<std::size_t, std::array<float, 3>>> shifts() const { return shifts_; }
+  const FluidState& fluid(const Scene& scene, std::size_t row) const { return touching_.fluid(scene, row); }
+  void read(State& state) const {
+    set_.read(state);
+    touching_.read(state);
+  }
   int lost_volume() const { return lost_volume_; }  ///< by the last act(): a row; -1: none
   char* loads() { return reinterpret_cast<char*>(load_.data()); }
   /// After the last pass of a step.

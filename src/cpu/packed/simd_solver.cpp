@@ -59,10 +59,10 @@ class SimdSolver final : public SolverBackend {
       averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
       if (local_steps() != nullptr) local_.emplace(*local_steps(), *body_);
       if (!topology().dissipation.empty()) dissipation_.emplace(topology(), body_->averages);
-      if (options().sleep_tolerance && !dissipation_) sleep_.emplace(topology(), *body_, options().rest_steps);
-    } else {
-      clustered_.emplace(*body_, kernels_, pool_.parts(), far_);
+      const bool sleeps = options().sleep_tolerance && !dissipation_ && topology().walls.empty();
+      if (sleeps) sleep_.emplace(topology(), *body_, options().rest_steps);
     }
+    if (!body_->clusters.empty()) clustered_.emplace(*body_, kernels_, pool_.parts(), far_);
     if (body_->gives()) pull_.assign(quads, 0.0f);
     solve_stiff_joints();
     follow_scene_parts();
@@ -72,7 +72,6 @@ class SimdSolver final : public SolverBackend {
 
  private:
   friend StepOrder;
-
   void do_reset(const State& state) override { take(state, {}); }
 
   void do_snapshot(Snapshot& snapshot) const override {
@@ -158,6 +157,7 @@ class SimdSolver final : public SolverBackend {
     const bool changed = averaged_ && averaged_->scale(topology(), scene().stiffness_factors());
     if (changed && sleep_) sleep_->compute_all();
   }
+  static char* bytes_or_null(Floats& floats) { return floats.empty() ? nullptr : bytes(floats); }
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(scene().tools()[row]); }
@@ -165,6 +165,8 @@ class SimdSolver final : public SolverBackend {
   const ThreadState& do_thread_state(std::size_t row) const override {
     return tools_.set().thread(scene().threads()[row]);
   }
+
+  const FluidState& do_fluid(std::size_t row) const override { return tools_.fluid(scene(), row); }
 
   Motion do_step(const StepPlan& plan) override {
     const DenormalsAreZero guard;
@@ -201,14 +203,14 @@ class SimdSolver final : public SolverBackend {
   void find_forces(const StepPlan& plan, bool last) {
     if (sleep_) sleep_->begin(move_, held_below(plan));
     laps_.end(Work::loads);
-    if (clustered_) {
-      clustered_->run(bytes(u_), force_.empty() ? nullptr : bytes(force_), pull_.empty() ? nullptr : bytes(pull_),
-                      pool_, laps_, no_laps_);
-      return;
+    if (averaged_) {
+      averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
+                     dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, last,
+                     pool_, laps_);
     }
-    averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
-                   dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, last,
-                   pool_, laps_);
+    if (!clustered_) return;
+    clustered_->run(bytes(u_), bytes_or_null(force_), bytes_or_null(pull_), pool_, laps_, no_laps_);
+    if (averaged_) clustered_->add_to_particles(bytes(force_), laps_);
   }
 
   void add_substeps(const StepPlan& /*plan*/) {
@@ -307,9 +309,9 @@ class SimdSolver final : public SolverBackend {
 
   simd::Move move_of(const StepPlan& plan) {
     simd::Move move;
-    move.force = force_.empty() ? nullptr : bytes(force_);
+    move.force = bytes_or_null(force_);
     move.own = body_->own.data();
-    if (body_->clusters.size() > 1 && !force_.empty()) {
+    if (body_->clusters.size() > 1 && !force_.empty() && !averaged_) {
       move.halo_first = body_->halo_first.data();
       move.halo = body_->halo.data();
     }
@@ -342,7 +344,7 @@ class SimdSolver final : public SolverBackend {
     state.time = time_;
     state.position.resize(body_->order.size());
     state.velocity.resize(body_->order.size());
-    tools_.set().read(state);
+    tools_.read(state);
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
       const Index i = body_->order[place];
       state.position[i] = topology().rest[i] + displacement(*body_, u_, place);
@@ -351,12 +353,10 @@ class SimdSolver final : public SolverBackend {
   }
 
   double do_time() const override { return time_; }
-
   std::string do_device() const override {
     return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +
            " vectors, single precision";
   }
-
   Energy do_energy() const override {
     const State state = read();
     DissipationNow now;
@@ -372,7 +372,7 @@ class SimdSolver final : public SolverBackend {
   ThreadPool pool_;
   PackedTools tools_;
   PackedJoints pulled_;
-  std::optional<ClusteredPasses> clustered_;  // of any other law
+  std::optional<ClusteredPasses> clustered_;  // of walls, and of any other law
   std::optional<AveragedPasses> averaged_;    // of Law::particle_averaged
   std::optional<PackedLocalSteps> local_;     // of it
   std::optional<BodySleep> sleep_;

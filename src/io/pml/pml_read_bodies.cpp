@@ -13,6 +13,9 @@ namespace {
 
 /// m^3 (2-D: m^2), however the cell is wound.
 double measure(const Model& model, const Cell& cell) {
+  if (is_wall(model, cell)) {
+    return model.materials[cell.material].thickness * area_vector(cell.particles, model.rest).norm();
+  }
   return is_solid(model.dimension, cell.type) ? std::abs(signed_measure(model.dimension, cell, model.rest)) : 0.0;
 }
 
@@ -70,6 +73,7 @@ void PmlReader::add_bodies_to_weigh() {
     }
     const pugi::xml_node node = component_nodes_[row];
     Material material{xml_.number(node, "young"), xml_.number(node, "poisson"), 1.0};
+    if (node.attribute("thickness")) material.thickness = xml_.number(node, "thickness");
     require_material(node, material);
     material.density = 0.0;
     to_weigh_.push_back({node, static_cast<Index>(model_.materials.size())});
@@ -109,7 +113,7 @@ void PmlReader::weigh_bodies() {
     }
     material.density = density;
     xml_.note(node, "a density of " + to_decimal(density) + " kg/m^3 follows from the masses and volumes of its cells");
-    row_of[row] = material_rows_.try_emplace({material.young, material.poisson, density}, row).first->second;
+    row_of[row] = material_rows_.try_emplace({material.young, material.poisson, density, material.thickness}, row).first->second;
   }
   for (Cell& cell : model_.cells) {
     if (cell.material >= 0) cell.material = row_of[cell.material];

@@ -9,7 +9,8 @@
 namespace phymul {
 namespace {
 
-constexpr std::array<const char*, 3> material_names = {"young", "poisson", "density"};
+constexpr std::array<const char*, 4> material_names = {"young", "poisson", "density", "thickness"};
+constexpr std::size_t needed_names = 3;  // of them
 
 CellType cell_type(const XmlSource& xml, pugi::xml_node node, std::string_view name) {
   std::string known;
@@ -188,27 +189,30 @@ void PmlReader::require_material(pugi::xml_node node, const Material& material) 
 }
 
 Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attributes) {
-  std::array<std::optional<double>, 3> constants;
+  std::array<std::optional<double>, material_names.size()> constants;
   std::size_t given = 0;
   for (std::size_t i = 0; i < material_names.size(); ++i) {
     const auto found = std::find_if(attributes.begin(), attributes.end(),
                                     [&](const Attribute& attribute) { return attribute.name == material_names[i]; });
     if (found == attributes.end()) continue;
-    ++given;
+    if (i < needed_names) ++given;
     constants[i] = parse_decimal(found->value);
   }
   if (given == 0) return -1;
-  if (given < material_names.size()) {
+  if (given < needed_names) {
     xml_.note(node, "expected young (Pa), poisson and density (kg/m^3) together, got some of them; no material is set");
     return -1;
   }
-  for (const char* const name : material_names) xml_.number(node, name);
-  const Material material{*constants[0], *constants[1], *constants[2]};
+  for (std::size_t i = 0; i < material_names.size(); ++i) {
+    if (i < needed_names || node.attribute(material_names[i])) xml_.number(node, material_names[i]);
+  }
+  Material material{*constants[0], *constants[1], *constants[2]};
+  material.thickness = constants[needed_names].value_or(0.0);
   require_material(node, material);
   std::erase_if(attributes, [](const Attribute& attribute) {
     return std::find(material_names.begin(), material_names.end(), attribute.name) != material_names.end();
   });
-  const auto [entry, is_new] = material_rows_.try_emplace({material.young, material.poisson, material.density},
+  const auto [entry, is_new] = material_rows_.try_emplace({material.young, material.poisson, material.density, material.thickness},
                                                           static_cast<Index>(model_.materials.size()));
   if (is_new) model_.materials.push_back(material);
   return entry->second;

@@ -116,7 +116,7 @@ class PmlReader {
   std::vector<Index> cell_rows_;     // [cells] likewise
   std::vector<Index> cell_numbers_;  // [cells] as in the file, -1: none
   std::vector<pugi::xml_node> cell_nodes_;
-  std::map<std::array<double, 3>, Index> material_rows_;
+  std::map<std::array<double, 4>, Index> material_rows_;  // of young, poisson, density and thickness
 
   pugi::xml_node neighbourhoods_;                   // the component, where there is one
   double component_mass_ = unset;                   // of that component

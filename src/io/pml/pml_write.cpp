@@ -48,7 +48,7 @@ class PmlWriter {
 };
 
 bool is_material_name(std::string_view name) {
-  return name == "young" || name == "poisson" || name == "density";
+  return name == "young" || name == "poisson" || name == "density" || name == "thickness";
 }
 
 bool has_material_names(const std::vector<Attribute>& attributes) {
@@ -250,6 +250,7 @@ void PmlWriter::write_material(const Material& material) {
   xml_.attribute("young", material.young);
   xml_.attribute("poisson", material.poisson);
   xml_.attribute("density", material.density);
+  if (material.thickness > 0.0) xml_.attribute("thickness", material.thickness);  // m
 }
 
 void PmlWriter::write_attributes(const std::vector<Attribute>& attributes,
@@ -285,11 +286,6 @@ void require_unit(const PmlOptions& options) {
 void write_pml(const Model& model, std::ostream& out, const PmlOptions& options) {
   require_unit(options);
   validate(model);
-  if (has_walls(model)) {
-    throw Error(ErrorCode::not_supported,
-                "write_pml: expected materials without a thickness, which PML does not hold, got walls; write their "
-                "triangles by write_vtu, and their material with your scene");
-  }
   PmlWriter(model, out, options).write();
 }
 
