@@ -112,8 +112,8 @@ int main() try {
   }
   draw("suture_2.svg");
 
-  thread.pull(phymul::ThreadTip::first, {0.02, 0, 0.01});
-  thread.pull(phymul::ThreadTip::last, {-0.02, 0, 0.01});
+  thread.pull(phymul::ThreadTip::first, {0.05, 0, 0.01});
+  thread.pull(phymul::ThreadTip::last, {-0.05, 0, 0.01});
   if (!sim.advance(0.5).ok()) return 1;
   const auto passages = static_cast<phymul::Index>(sim.solver().thread_state(thread).sewn.size());
   thread.tie(0, passages - 1, 4);

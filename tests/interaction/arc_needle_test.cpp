@@ -133,22 +133,29 @@ TEST(ArcNeedle, IsTakenElsewhereThriceAndItsThreadFollows) {
   ASSERT_TRUE(is_ok(run.solver->step(static_cast<int>(0.3 / run.dt), run.dt)));
   EXPECT_LT(run.sewn().rest_length.front(), tail_before - 0.01);
   EXPECT_EQ(run.sewn().torn, 0);
-  const auto gap = [&] {
+  const auto gap = [&] {  // m, between the upper rims
     const State now = run.solver->read();
-    return now.position[run.wound.model.group("right/x0").front()].x() -
-           now.position[run.wound.model.group("left/x1").front()].x();
+    double sum = 0.0, count = 0.0;
+    for (const auto& [name, sign] : {std::pair{"right/x0", 1.0}, {"left/x1", -1.0}}) {
+      for (const Index i : run.wound.model.group(name)) {
+        if (run.wound.model.rest[i].z() < slab_top - 1e-6) continue;
+        sum += sign * now.position[i].x();
+        count += 0.5;
+      }
+    }
+    return sum / count;
   };
-  const double open = gap();
   run.thread.pull(ThreadTip::first, {0.03, 0, 0});
   run.thread.pull(ThreadTip::last, {-0.03, 0, 0});
   run.wound.scene.remove_tool("needle");
   ASSERT_TRUE(is_ok(run.solver->step(static_cast<int>(0.3 / run.dt), run.dt)));
-  EXPECT_LT(gap(), open - 3e-4);
+  const double closed = gap();
+  EXPECT_LT(closed, 5e-3);
   run.thread.tie(0, static_cast<Index>(run.sewn().sewn.size()) - 1, 4);
   for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) run.thread.pull(tip, Vec3::Zero());
   ASSERT_TRUE(is_ok(run.solver->step(static_cast<int>(0.2 / run.dt), run.dt)));
   EXPECT_GT(run.sewn().knots.at(0).tension, 1e-3);
-  EXPECT_LT(gap(), open - 3e-4);
+  EXPECT_NEAR(gap(), closed, 5e-4);
 }
 
 /// A whole suture, from states in its middle too.
@@ -207,7 +214,7 @@ TEST(ArcNeedle, OnCpuIsThatOfTheReference) {
   Sewing fast, exact("reference");
   for (Sewing* run : {&fast, &exact}) {
     run->dt = 1e-4;
-    run->turn(90);
+    run->turn(60);
   }
   double apart = 0.0;
   for (std::size_t k = 0; k < fast.force.size(); ++k) {
@@ -231,7 +238,7 @@ TEST(ArcNeedle, OfAHugeRadiusIsAStraightOne) {
 
 /// Of the whole step: what a needle that nobody holds gives to the tissue has no sum.
 TEST(ArcNeedle, LetGoItGivesTheTissueNoMomentum) {
-  Sewing run("reference");
+  Sewing run;
   run.turn(75);
   EXPECT_GT(run.solver->tool_force("needle").force.norm(), 5e-3);
   run.wound.scene.tool("needle").release();
@@ -242,7 +249,7 @@ TEST(ArcNeedle, LetGoItGivesTheTissueNoMomentum) {
   for (Vec3& v : moving.velocity) v = Vec3(0.02, 0.03, -0.01);
   run.wound.scene.clear();
   run.wound.scene.add_tool("needle", {.shape = half_circle(), .friction = 0.3});
-  const auto loose = make_solver("reference", run.wound.model, run.wound.scene);
+  const auto loose = make_solver("cpu", run.wound.model, run.wound.scene);
   moving.threads.clear();
   loose->reset(moving);
   const Vec3 before = loose->tool_pose("needle").position;
