@@ -59,6 +59,7 @@ NeedlePath::NeedlePath(const Needle& needle, double friction, const Model& model
       spread_(needle_spread(needle, model)),
       support_radius_(needle_support_radius(spread_, model)) {
   found_.reserve(model.rest.size());
+  crossings_.reserve(64);
   sides_.resize(model.rest.size());
   follow_body(model);
 }
@@ -165,7 +166,7 @@ const std::vector<NeedlePath::Crossing>& NeedlePath::crossings(const PredictedSt
       if (along >= from && along <= to) crossings_.push_back({along, facing > 0.0, body_of_[row[0]]});
     }
   }
-  std::ranges::stable_sort(crossings_, {}, &Crossing::along);
+  std::ranges::sort(crossings_, {}, &Crossing::along);
   return crossings_;
 }
 

@@ -28,7 +28,7 @@ struct Sewing {
   bool folded = false;
   double rests = HUGE_VAL;  // N on the needle, before it was taken again
 
-  explicit Sewing(const std::string& backend = "cpu", int threads = 1) {
+  explicit Sewing(const std::string& backend = "cpu", int threads = 1, double gap = 0.006) : wound(0.002, gap) {
     SolverOptions options = damped(40.0);
     options.threads = threads;
     solver = make_solver(backend, wound.model, wound.scene, {}, options);
@@ -97,12 +97,34 @@ TEST(ArcNeedle, GoesThroughBothEdgesWithAPeakInAndOutOfEach) {
   EXPECT_TRUE(run.needle().through);
   EXPECT_EQ(ends_in(run.needle()), 2);
   EXPECT_FALSE(run.folded);
-  // Each hole in its own body.
-  const Index right = static_cast<Index>(run.wound.model.group("right/x1").front());
-  for (const NeedleNode& node : run.needle().hole) {
-    const auto of_right = [&](Index i) { return i >= right - right % 378; };
-    EXPECT_TRUE(std::ranges::all_of(node.particles, of_right) || std::ranges::none_of(node.particles, of_right));
+}
+
+/// Nodes of each hole are means of particles of its own edge, also where the other one is nearer than the spread.
+void expect_holes_in_both(const Sewing& run) {
+  const NeedleState needle = run.needle();
+  EXPECT_TRUE(needle.through);
+  ASSERT_EQ(ends_in(needle), 2);
+  bool right = false;
+  for (const NeedleNode& node : needle.hole) {
+    const auto of_right = [&](Index i) { return i >= run.wound.model.particle_count() / 2; };
+    EXPECT_EQ(std::ranges::count_if(node.particles, of_right), right ? std::ssize(node.particles) : 0);
+    right = right || node.out;
   }
+}
+
+TEST(ArcNeedle, InANarrowWoundEachHoleIsInItsOwnEdge) {
+  Sewing run("cpu", 1, 0.001);
+  run.turn(150);
+  expect_holes_in_both(run);
+  EXPECT_FALSE(run.folded);
+}
+
+/// Its whole way is known from where it goes through the surface.
+TEST(ArcNeedle, PutIntoTheTissueItIsInBothEdges) {
+  Sewing run;
+  run.wound.scene.tool("needle").teleport(ArcSuture::pose(2.4));
+  ASSERT_TRUE(is_ok(run.solver->step(4, run.dt)));
+  expect_holes_in_both(run);
 }
 
 TEST(ArcNeedle, IsTakenElsewhereThriceAndItsThreadFollows) {
@@ -258,6 +280,27 @@ TEST(ArcNeedle, LetGoItGivesTheTissueNoMomentum) {
   const Vec3 went = loose->tool_pose("needle").position - before, goes = 100 * run.dt * Vec3(0.02, 0.03, -0.01);
   EXPECT_LT((went - goes).norm(), 0.3 * goes.norm());
   EXPECT_LT((loose->momentum().linear - start.linear).norm(), 0.02 * start.linear.norm());
+}
+
+/// Then nothing is taut where it is taken again.
+TEST(ArcNeedle, LetGoItsThreadRunsFreely) {
+  Sewing run;
+  run.turn(240);
+  run.wound.scene.tool("needle").release();
+  ASSERT_TRUE(is_ok(run.solver->step(static_cast<int>(0.1 / run.dt), run.dt)));
+  ASSERT_GE(run.sewn().passages.size(), 3u);
+  State kicked = run.solver->read();
+  for (std::size_t i = kicked.velocity.size() / 2; i < kicked.velocity.size(); ++i) kicked.velocity[i].x() += 0.5;
+  run.solver->reset(kicked);
+  const double before = run.sewn().rest_length.back();
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(is_ok(run.solver->step(1, run.dt)));
+    const VecList& at = run.sewn().position;
+    EXPECT_EQ(run.sewn().tension.back(), 0.0);
+    EXPECT_GE(run.sewn().rest_length.back(), (at.back() - at[at.size() - 2]).norm() - 1e-5);
+  }
+  EXPECT_GT(run.sewn().rest_length.back(), before + 1e-4);
+  EXPECT_NEAR(std::accumulate(run.sewn().rest_length.begin(), run.sewn().rest_length.end(), 0.0), 0.12, 1e-12);
 }
 
 /// A short needle pushed on: its hole ends at its tail.
