@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A needle: the limits of the forces between tissue and shaft, and the bending of the shaft. The algorithm is in
-// src/interaction/needle_path.h, and for devices in glsl/needle/needle_tables.glsl.
+// A needle, straight or an arc: the limits of the forces between tissue and shaft, and the bending of the shaft. The
+// algorithm is in src/interaction/needle_path.h.
 #pragma once
 
 #include <phymul/types.h>
@@ -11,9 +11,12 @@
 
 namespace phymul {
 
-/// The tip of the unbent needle is the tool's position. The straight shaft goes from there along the tool's +z axis to
-/// the hub, which the tool holds and turns. So the needle is pushed in along -z. Scene::add_tool throws Error for a
-/// value out of its range and for a two-dimensional model.
+/// The tip of the unbent needle is the tool's position. A straight shaft goes from there along the tool's +z axis to
+/// the hub, which the tool holds and turns. So the needle is pushed in along -z. A shaft with `arc_radius` leaves the
+/// tip along +z too and bends toward +x, around the point arc_radius along +x; turned about that point by -y it goes in
+/// along itself. It ends at a tail, beyond which its hole is left to the thread (Scene::swage). The shaft goes in and
+/// out of one body or several as often as its way does. Scene::add_tool throws Error for a value out of its range, for
+/// an arc that bends or is longer than nine tenths of a circle, and for a two-dimensional model.
 ///
 /// All four forces are limits, as in dry friction: below its limit nothing moves relative to the tissue, at the limit
 /// the tissue gives way. So a force curve depends neither on the step nor on the speed. A. M. Okamura, C. Simone, M. D.
@@ -47,6 +50,8 @@ struct Needle {
   /// 0: rigid. The shaft is a linear beam, clamped in the hub and free at the tip, valid for deflections up to about a
   /// tenth of its length. Axial forces do not bend it: no buckling.
   double bending_stiffness = 0.0;
+  double arc_radius = 0.0;  ///< m; 0: straight. The arc's angle is length / arc_radius
+  double leaving = 0.0;     ///< N on the surface from inside, at which the tip comes out; up to `cutting`: at once
   bool operator==(const Needle&) const = default;
 };
 
@@ -60,6 +65,7 @@ struct NeedleNode {
   std::vector<Index> particles{};
   std::vector<double> weights{};  ///< sum 1
   bool slides = false;            ///< relative to the shaft, in the last step
+  bool out = false;               ///< on the surface where the tip comes out, or came; a next node is where it goes in
   bool operator==(const NeedleNode&) const = default;
 };
 
@@ -70,18 +76,23 @@ struct ShaftLoad {
   bool operator==(const ShaftLoad&) const = default;
 };
 
+/// m, in the tool's frame: the unbent shaft at so many m from the tip; at Needle::length the hub, or the tail.
+Vec3 shaft_place(const Needle& needle, double along);
+
 /// Returns `count` evenly spaced points of a shaft under loads, from tip to hub, m, in the tool's frame. Throws Error
 /// if count is below 2.
 VecList shaft_points(const Needle& needle, std::span<const ShaftLoad> loads, int count);
 
-/// The hole that a needle has made, from the surface inward. Its nodes are Needle::spread apart. The last one is where
-/// the tip continues to cut, unless the tip has come out on the far side.
+/// The holes that a needle has made, from the surface inward, one after the other. Nodes are Needle::spread apart. The
+/// last one is where the tip continues to cut, unless the tip has come out on the far side. `punctured`, `through` and
+/// `slip` are of the last hole.
 struct NeedleState {
-  std::vector<NeedleNode> hole{};  ///< empty: no contact; one node and not `punctured`: the tip presses on the surface
+  std::vector<NeedleNode> hole{};  ///< empty: no contact; not `punctured`: the tip presses the last one, on the surface
   bool punctured = false;
   bool through = false;            ///< the tip came out again
   double slip = 0.0;               ///< m by which the tip has gone beyond the last node
   std::vector<ShaftLoad> shaft{};  ///< forces of the tissue that bend it; empty for a stiff needle
+  bool free = false;               ///< let go: rests in the tissue (ToolHandle::release)
   bool operator==(const NeedleState&) const = default;
 };
 

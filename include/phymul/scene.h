@@ -79,7 +79,9 @@ class ToolHandle {
   /// Scene::tools() has priority. Imposed coordinates always have priority over the tool. Throws Error for a negative
   /// distance and for a needle.
   void grasp(double distance) const;
-  void release() const;  ///< from the next step on the tool holds nothing
+  /// From the next step on the tool holds nothing. A needle is let go: it moves with the tissue around its shaft, as a
+  /// rigid body of no mass, until move_to() or teleport() takes it again. Its pose is then that of Solver::tool_pose().
+  void release() const;
 
   std::uint64_t id() const { return id_; }  ///< SceneTool::id
   bool is_of(const Scene& scene) const { return scene_ == &scene; }
@@ -127,8 +129,11 @@ class ThreadHandle {
   void join(ThreadTip tip, const Anchor& anchor) const;
   void pull(ThreadTip tip, const Vec3& force) const;  ///< N; through the passages of a sewn thread. 0: lets go
   void fix(ThreadTip tip) const;                      ///< TipHold::fixed; throws Error for a free thread
+  /// TipHold::clamped: thread slips through above `holding`, N > 0. `gap`, m >= 0: during the next step() the segment
+  /// next to it is drawn to this length, with at most that force. Throws Error for a free thread.
+  void clamp(ThreadTip tip, double holding, double gap = -1.0) const;
 
-  /// Ties two passages of a sewn thread, by their rows in SceneThread::passages. From the next step on the thread
+  /// Ties two passages of a sewn thread, by their rows as in Knot. From the next step on the thread
   /// slides through neither, and a segment joins them whose rest length is their distance then. Under more than throws
   /// * Thread::throw_holding the knot lets thread through. Tying them again changes the throws.
   void tie(Index passage, Index other, int throws) const;
@@ -280,6 +285,16 @@ class Scene {
   ThreadHandle sew(const Thread& thread, std::span<const Vec3> places) &;
   /// The same with anchors of particles, as a recording has them.
   ThreadHandle sew(std::string name, const Thread& thread, std::vector<Anchor> passages) &;
+  /// Adds a thread that a needle sews: its last tip is joined to the tail of that tool, and what leaves the tissue at
+  /// the tail becomes passages of the thread, at most 100 (ThreadState::sewn). The first tip is free. Another hold of
+  /// the last tip cuts the thread off. Without a needle nothing is joined. Throws Error as add_thread() does, and for a
+  /// tool that is not a needle.
+  ThreadHandle swage(std::string name, const Thread& thread, std::string_view needle) &;
+  /// Clips two walls together, each held at its anchor of particles; ThreadHandle::pull() of both tips by 0, or
+  /// remove_thread(), takes the clip off. It closes during the next step(). Throws Error as sew() does, and for a value
+  /// out of its range.
+  ThreadHandle add_clip(std::string name, const Clip& clip, const Anchor& one, const Anchor& other) &;
+  ThreadHandle add_thread(const SceneThread& thread) &;  ///< as it was added, without its SceneThread::control
   Scene& remove_thread(std::string_view name);
   ThreadHandle thread(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one
   const std::vector<SceneThread>& threads() const { return threads_; }

@@ -2,8 +2,8 @@
 //
 // Threads: sutures. Scene::add_thread() adds a free thread, a chain of nodes with tension, bending and weight.
 // Scene::sew() adds a thread that passes through the body: straight, massless segments between passages, where it
-// sticks or slides. Both are integrated implicitly and do not shorten the stable step. The algorithms are in
-// src/interaction/thread/.
+// sticks or slides; a needle makes them where Scene::swage() joins the thread to one. Both are integrated implicitly
+// and do not shorten the stable step. The algorithms are in src/interaction/thread/.
 #pragma once
 
 #include <phymul/joint.h>
@@ -48,16 +48,27 @@ enum class ThreadTip : std::uint8_t { first, last };
 
 /// What holds a tip.
 enum class TipHold : std::uint8_t {
-  pulled,   ///< a force, ThreadEnd::force; 0: the tip is free
-  fixed,    ///< of a sewn thread: a stop at its first or last passage, through which it does not slide
-  anchored  ///< particles, a tool or a point of the world
+  pulled,    ///< a force, ThreadEnd::force; 0: the tip is free
+  fixed,     ///< of a sewn thread: a stop at its first or last passage, through which it does not slide
+  anchored,  ///< particles, a tool or a point of the world
+  clamped    ///< of a sewn thread: as fixed, up to a force, above which the thread slips through
 };
 
 struct ThreadEnd {
   TipHold hold = TipHold::pulled;
   Vec3 force{0, 0, 0};  ///< N
   Anchor anchor{};
+  double holding = 0.0;  ///< N, of a tip that is clamped
+  double gap = -1.0;     ///< m, likewise: the segment next to it is drawn to this length; below 0: it stays
   bool operator==(const ThreadEnd&) const = default;
+};
+
+/// What pinches two walls of tissue together and stays, Scene::add_clip(): a piece of thread between them, clamped at
+/// both ends.
+struct Clip {
+  double gap = 0.5e-3;    ///< m, >= 0: between the walls, once it is closed
+  double holding = 1.0;   ///< N, > 0: force with which it closes, and above which it opens
+  double opening = 0.01;  ///< m, > 0: a clip that has opened by so much more than at first has come off
 };
 
 /// A node of a free thread that is held at a place, m.
@@ -69,7 +80,7 @@ struct HeldNode {
 
 /// Two passages of a sewn thread are tied to each other, and the thread slides through neither.
 struct Knot {
-  Index a = 0, b = 0;  ///< rows of SceneThread::passages, a < b
+  Index a = 0, b = 0;  ///< rows of passages, a < b: first SceneThread::passages, then ThreadState::sewn
   int throws = 0;      ///< >= 1
   bool operator==(const Knot&) const = default;
 };
@@ -87,12 +98,13 @@ struct SceneThread {
   std::uint64_t id = 0;  ///< unique in its scene, also after threads were removed
   std::string name{};
   Thread thread{};
-  Vec3 start{0, 0, 0}, direction{1, 0, 0};  ///< m and unit vector: the free thread's first shape
-  std::vector<Anchor> passages{};           ///< of a sewn thread, in its order; empty: a free thread
+  /// m and unit vector: the free thread's first shape. No direction: a sewn thread whose passages a needle makes.
+  Vec3 start{0, 0, 0}, direction{1, 0, 0};
+  std::vector<Anchor> passages{};  ///< of a sewn thread, in its order
   ThreadControl control{};
   std::uint64_t changes = 0;  ///< of `control`
 
-  bool is_sewn() const { return !passages.empty(); }
+  bool is_sewn() const { return !passages.empty() || direction == Vec3::Zero(); }
   Index nodes() const;  ///< of a free thread: ceil(length / segment) + 1
 };
 
@@ -114,10 +126,11 @@ struct ThreadState {
   std::vector<double> rest_length{};   ///< m [N - 1]; of a sewn thread [passages + 1], where the outer ones are tails
   std::vector<double> tension{};       ///< N, likewise; a slack segment has none
   std::vector<std::uint8_t> broken{};  ///< likewise; 1: the segment has no force
-  std::vector<Index> passages{};       ///< rows of SceneThread::passages that the thread still goes through
+  std::vector<Anchor> sewn{};          ///< passages that a needle has made
+  std::vector<Index> passages{};       ///< rows, as Knot has them, of those that the thread still goes through
   std::vector<std::int8_t> slides{};   ///< [passages] 0: sticks; 1 or -1: slides toward the last or first tip
   std::vector<KnotState> knots{};
-  std::array<bool, 2> anchored{};                           ///< of a sewn thread: a tail is a segment to an anchor
+  std::array<bool, 2> anchored{};  ///< of a sewn thread: a tail is a segment to an anchor, or a clamp has been closed
   std::array<Vec3, 2> force{Vec3(0, 0, 0), Vec3(0, 0, 0)};  ///< N, of the thread on what its tips are anchored to
   int torn = 0;                                             ///< passages at which the tissue gave way
   int pulled_out = 0;                                       ///< passages that a tip has slipped through

@@ -80,10 +80,11 @@ void MovedTool::read(ToolState& to) const {
   to.blade.clear();
 }
 
-void MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once) {
+bool MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once) {
   sum_force_.setZero();
   sum_torque_.setZero();
   summed_ = 0;
+  const bool moves = seen_moves_ != wanted.moves;
   if (seen_places_ != wanted.places) {
     seen_places_ = wanted.places;
     seen_moves_ = wanted.moves;
@@ -95,11 +96,12 @@ void MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once
     motion.steps = at_once ? 1 : call_steps;
     motion.done = 0;
   }
-  if (report.grasps == wanted.grasps) return;
+  if (report.grasps == wanted.grasps) return moves;
   report.grasps = wanted.grasps;
   grasps = wanted.grasping;
   releases = !wanted.grasping;
   grasp_distance = wanted.grasp_distance;
+  return moves;
 }
 
 void MovedTool::take_hold(Index particle, const Vec3& at) {

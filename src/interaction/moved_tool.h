@@ -35,8 +35,8 @@ struct MovedTool {
   const ToolState* reset(const SceneTool& wanted, const State& state, std::span<const double> mass, bool first);
   void read(ToolState& to) const;  ///< all but needles
   /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the
-  /// first step.
-  void begin_call(const SceneTool& wanted, int call_steps, bool at_once);
+  /// first step. True where there is a new pose.
+  bool begin_call(const SceneTool& wanted, int call_steps, bool at_once);
   void take_hold(Index particle, const Vec3& at);  ///< m, in the tool's frame
   void release();
   void let_go_of_removed(std::span<const double> mass);  ///< particles without mass

@@ -9,21 +9,15 @@
 #include "needle_shaft.h"
 
 namespace phymul {
-namespace {
-
-/// By how much a held node counts as softer than it is: two nodes that move as one leave no system singular.
-constexpr double slack = 1e-9;
-
-}  // namespace
 
 /// All nodes but the one ahead of the tip.
 bool NeedlePath::on_shaft(std::size_t node) const {
   const bool end = node + 1 == state_.hole.size() && !state_.through;
-  return state_.punctured && !end && coupled_[node].along > 0.0;
+  return !end && coupled_[node].along > 0.0;
 }
 
-/// Each node on the shaft rubs over half of the way to the next ones; the first up to the surface, the last to the tip
-/// or to where the shaft comes out.
+/// Each node on the shaft rubs over half of the way to the next ones of its hole; the first up to the surface, the last
+/// to the tip or to where the shaft comes out.
 void NeedlePath::share_out_length() {
   double above = -1.0;  // along, of the border to the node before
   for (std::size_t k = 0; k < state_.hole.size(); ++k) {
@@ -31,17 +25,15 @@ void NeedlePath::share_out_length() {
     node.length = 0.0;
     if (!on_shaft(k)) continue;
     if (above < 0.0) above = node.along;
-    const bool last = k + 1 == state_.hole.size() || !on_shaft(k + 1);
-    const double end = state_.through && k + 1 == state_.hole.size() ? node.along : 0.0;
-    const double below = last ? end : 0.5 * (node.along + coupled_[k + 1].along);
+    const bool last = k + 1 == state_.hole.size() || !on_shaft(k + 1), out = state_.hole[k].out;
+    const double inside = last ? 0.0 : 0.5 * (node.along + coupled_[k + 1].along);
+    const double below = out ? node.along : inside;
     node.length = std::max(0.0, above - below);
-    above = below;
+    above = out ? -1.0 : below;
   }
 }
 
-/// Friction acts against the whole sliding, of which a turning shaft has a part around it: what is left lengthwise is
-/// that much smaller.
-void NeedlePath::couple(TouchedParticles& touched, const Line& start, double turned) {
+void NeedlePath::couple(TouchedParticles& touched, const ShaftLine& start) {
   const std::size_t count = state_.hole.size();
   if (coupled_.size() < count) coupled_.resize(2 * count);
   for (std::size_t k = 0; k < count; ++k) {
@@ -60,7 +52,6 @@ void NeedlePath::couple(TouchedParticles& touched, const Line& start, double tur
   }
   couple_nodes(touched);
   share_out_length();
-  limit(turned, touched.dt());
 }
 
 /// Of friction and of the tip. What is within a spread of the tip loads the same tissue, so that together they get no
@@ -77,7 +68,8 @@ void NeedlePath::limit(double turned, double dt) {
     if (node.along - coupled_[state_.hole.size() - 1].along < spread_) beside_tip += most;
   }
   const double rest = tip_bears - std::min(beside_tip, 0.75 * tip_bears);
-  most_push_ = std::min(state_.punctured ? needle_.cutting : needle_.puncture, rest);
+  const double inside = state_.hole.back().out ? std::max(needle_.leaving, needle_.cutting) : needle_.cutting;
+  most_push_ = std::min(state_.punctured ? inside : needle_.puncture, rest);
 }
 
 /// Which nodes an impulse on each of them moves. Sweeps then go from node to node, not over the particles of each, of

@@ -11,7 +11,7 @@ namespace {
 
 /// Sweeps over the nodes of a step: after them, on a straight insertion, nodes lie within some 1e-3 of a step's motion
 /// of where the limits let them be.
-constexpr int sweeps = 12;
+constexpr int sweeps = 12, free_sweeps = 48;
 
 }  // namespace
 
@@ -30,10 +30,10 @@ void NeedlePath::give(std::size_t k, const Vec3& impulse, double dt) {
 }
 
 /// What nodes have been given, to the particles that they are means of.
-void NeedlePath::hand_over(TouchedParticles& touched, const Line& end) {
+void NeedlePath::hand_over(TouchedParticles& touched) {
   for (std::size_t k = 0; k < state_.hole.size(); ++k) {
     const Coupled& node = coupled_[k];
-    const Vec3 impulse = node.sideways + (node.rubbed - node.pushed) * end.axis;
+    const Vec3 impulse = node.sideways + (node.rubbed - node.pushed) * node.axis;
     if (impulse == Vec3::Zero()) continue;
     for (std::size_t j = 0; j < node.slots.size(); ++j) {
       TouchedParticles::Touched& particle = touched[node.slots[j]];
@@ -45,18 +45,23 @@ void NeedlePath::hand_over(TouchedParticles& touched, const Line& end) {
   }
 }
 
-/// Onto the axis. The tip on the surface holds it by dry friction only.
-void NeedlePath::hold_sideways(std::size_t k, const Line& end, double dt) {
+/// The tip on the surface holds it by dry friction only.
+Vec3 NeedlePath::limited(std::size_t k, const Vec3& sideways) const {
+  const double most = friction_ * coupled_[k].pushed, size = sideways.norm();
+  const bool presses = !state_.punctured && k + 1 == state_.hole.size();
+  return presses && size > most ? Vec3(sideways * (most / size)) : sideways;
+}
+
+/// Onto the axis.
+void NeedlePath::hold_sideways(std::size_t k, const ShaftLine& end, double dt) {
   Coupled& node = coupled_[k];
-  Vec3 wanted = node.sideways - end.aside(node.end) / (dt * node.inverse_mass);
-  const double most = friction_ * node.pushed, size = wanted.norm();
-  if (!state_.punctured && size > most) wanted *= most / size;
+  const Vec3 wanted = limited(k, node.sideways - end.aside(node.end) / (dt * node.inverse_mass));
   give(k, wanted - node.sideways, dt);
   node.sideways = wanted;
 }
 
 /// Onto the bent shaft, all nodes at once: where the step ends, the shaft is bent by what it holds the tissue with.
-void NeedlePath::hold_on_bent(const Line& end, double dt) {
+void NeedlePath::hold_on_bent(const ShaftLine& end, double dt) {
   const auto count = static_cast<Eigen::Index>(held_.size());
   if (count == 0) return;
   for (Eigen::Index row = 0; row < count; ++row) {
@@ -72,35 +77,33 @@ void NeedlePath::hold_on_bent(const Line& end, double dt) {
   factor.adjoint().solveInPlace(off);
   for (Eigen::Index row = 0; row < count; ++row) {
     Coupled& node = coupled_[held_[row]];
-    Vec3 wanted = node.sideways - off.row(row).transpose();
-    const double most = friction_ * node.pushed, size = wanted.norm();
-    if (!state_.punctured && size > most) wanted *= most / size;
+    const Vec3 wanted = limited(held_[row], node.sideways - off.row(row).transpose());
     give(held_[row], wanted - node.sideways, dt);
     node.sideways = wanted;
   }
 }
 
-void NeedlePath::rub(std::size_t k, const Line& end, double dt) {
+void NeedlePath::rub(std::size_t k, const ShaftLine& end, double dt) {
   Coupled& node = coupled_[k];
   const double slide = end.along(node.end) - node.along;
   const double wanted = std::clamp(node.rubbed - slide / (dt * node.inverse_mass), -node.limit, node.limit);
-  give(k, (wanted - node.rubbed) * end.axis, dt);
+  give(k, (wanted - node.rubbed) * node.axis, dt);
   node.rubbed = wanted;
 }
 
 /// The last node stays ahead of the tip, but for what has slipped past, as long as that takes less than the limit.
-void NeedlePath::push_ahead(const Line& end, double dt) {
+void NeedlePath::push_ahead(const ShaftLine& end, double dt) {
   const std::size_t k = state_.hole.size() - 1;
   Coupled& node = coupled_[k];
   const double behind = end.along(node.end) - state_.slip;
   const double wanted = std::clamp(node.pushed + behind / (dt * node.inverse_mass), 0.0, most_push_ * dt);
-  give(k, (node.pushed - wanted) * end.axis, dt);
+  give(k, (node.pushed - wanted) * node.axis, dt);
   node.pushed = wanted;
 }
 
 /// The part of friction around a shaft that turns by `turned` m at its surface: a torque on the particles around the
 /// node.
-void NeedlePath::twist(std::size_t k, TouchedParticles& touched, const Line& end, double turned) {
+void NeedlePath::twist(std::size_t k, TouchedParticles& touched, const ShaftLine& end, double turned) {
   const Coupled& node = coupled_[k];
   const double slide = end.along(place_at_end(k, touched)) - node.along, all = std::hypot(slide, turned);
   const double torque = node.limit * needle_.radius * turned / all;
@@ -111,7 +114,7 @@ void NeedlePath::twist(std::size_t k, TouchedParticles& touched, const Line& end
   if (!(inertia > 0.1 * needle_.radius * needle_.radius)) return;
   for (std::size_t j = 0; j < node.slots.size(); ++j) {
     TouchedParticles::Touched& particle = touched[node.slots[j]];
-    const Vec3 around = end.axis.cross(end.aside(particle.position));
+    const Vec3 around = node.axis.cross(end.aside(particle.position));
     if (particle.held) continue;
     given_.emplace_back(node.slots[j],
                         TouchedParticles::push(particle, torque / inertia * state_.hole[k].weights[j] * around));
@@ -119,13 +122,18 @@ void NeedlePath::twist(std::size_t k, TouchedParticles& touched, const Line& end
 }
 
 /// Impulses within their limits.
-void NeedlePath::settle(TouchedParticles& touched, const Line& end) {
+void NeedlePath::settle(TouchedParticles& touched, ToolPose& end_pose) {
+  ShaftLine end(needle_, end_pose);
   const std::size_t count = state_.hole.size();
   const bool bends = needle_.bending_stiffness > 0.0;
   const double dt = touched.dt();
   for (std::size_t k = 0; k < count; ++k) coupled_[k].end = place_at_end(k, touched);
   if (bends) couple_sideways(dt);
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
+  for (int sweep = 0; sweep < (state_.free ? free_sweeps : sweeps); ++sweep) {
+    if (state_.free && sweep > 0) {
+      end_pose = balanced(end_pose, dt);
+      end = ShaftLine(needle_, end_pose);
+    }
     if (!state_.through && coupled_[count - 1].inverse_mass > 0.0) push_ahead(end, dt);
     if (bends) hold_on_bent(end, dt);
     for (std::size_t k = 0; k < count; ++k) {
@@ -137,24 +145,30 @@ void NeedlePath::settle(TouchedParticles& touched, const Line& end) {
       if (on_shaft(k)) rub(k, end, dt);
     }
   }
-  hand_over(touched, end);
+  hand_over(touched);
   if (!bends) return;
   for (const std::size_t k : held_) {
-    const Vec3 load = -(end.turn.conjugate() * coupled_[k].sideways) / dt;
+    const Vec3 load = -(end.turn().conjugate() * coupled_[k].sideways) / dt;
     loads_.push_back({.along = coupled_[k].along, .x = load.x(), .y = load.y()});
   }
 }
 
-void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, const ToolPose& end_pose,
-                     ToolForce& force) {
-  const Line start(start_pose), end(end_pose);
+void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, ToolPose& end_pose, ToolForce& force) {
+  const ShaftLine start(needle_, start_pose);
   gives_way_ = false;
   follow(touched, start);
   given_.clear();
   loads_.clear();
+  if (state_.free) end_pose = {.position = start_pose.position, .orientation = start_pose.orientation};
   if (state_.hole.empty()) return;
-  const double turned = needle_.radius * needle_turn(start_pose, end_pose);
-  couple(touched, start, turned);
+  couple(touched, start);
+  if (state_.free) end_pose = carried(touched, start_pose);
+  const ShaftLine end(needle_, end_pose);
+  // An arc has no axis to turn about, and a free needle turns with the tissue.
+  const double turned =
+      needle_.arc_radius > 0.0 || state_.free ? 0.0 : needle_.radius * needle_turn(start_pose, end_pose);
+  for (std::size_t k = 0; k < state_.hole.size(); ++k) coupled_[k].axis = end.axis(coupled_[k].along);
+  limit(turned, touched.dt());
   const std::size_t count = state_.hole.size();
   for (std::size_t k = 0; k < count && turned != 0.0; ++k) {
     if (!on_shaft(k) || coupled_[k].limit == 0.0) continue;
@@ -162,7 +176,7 @@ void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, cons
     twist(k, touched, end, turned);
     coupled_[k].limit *= std::abs(slide) / std::hypot(slide, turned);
   }
-  settle(touched, end);
+  settle(touched, end_pose);
   for (std::size_t k = 0; k < count; ++k) {
     coupled_[k].slides = coupled_[k].limit > 0.0 && std::abs(coupled_[k].rubbed) >= coupled_[k].limit;
   }

@@ -6,6 +6,7 @@
 // Jean, "The non-smooth contact dynamics method", Comput. Methods Appl. Mech. Eng. 177 (1999) 235-257).
 #pragma once
 
+#include <phymul/joint.h>
 #include <phymul/model.h>
 #include <phymul/needle.h>
 
@@ -15,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "needle_shaft.h"
 #include "predicted_step.h"
 #include "tool_frame.h"
 
@@ -24,14 +26,17 @@ class NeedlePath {
  public:
   NeedlePath(const Needle& needle, double friction, const Model& model);
 
-  /// `force`: what it takes from the particles is added there.
-  void act(TouchedParticles& touched, const ToolPose& start, const ToolPose& end, ToolForce& force);
+  /// `force`: what it takes from the particles is added there. `end`: of a needle that was let go, where the tissue
+  /// takes it.
+  void act(TouchedParticles& touched, const ToolPose& start, ToolPose& end, ToolForce& force);
   void accept();  ///< the step counts
 
   const NeedleState& state() const { return state_; }
-  int gave_way() const { return gave_way_; }        ///< punctures below Needle::puncture, in accepted steps
-  double length() const { return needle_.length; }  ///< m
-  void restore(NeedleState state) { state_ = std::move(state); }
+  int gave_way() const { return gave_way_; }  ///< punctures below Needle::puncture, in accepted steps
+  void restore(NeedleState state);
+  void set_free(bool free) { state_.free = free; }
+  /// What has left the shaft at its tail in the last act(), in order, m: places at the step's start.
+  const std::vector<std::pair<Anchor, Vec3>>& passed() const { return passed_; }
   void follow_body(const Model& model);  ///< cells were removed or brought back: surface, and nodes of the hole
   void follow_stiffness(const Model& model, std::span<const double> factors);  ///< Scene::stiffness_factors()
 
@@ -53,49 +58,58 @@ class NeedlePath {
     double limit = 0.0;                 // N s of friction
     double rubbed = 0.0, pushed = 0.0;  // N s given so far: along the shaft toward the hub; by the tip, forward
     Vec3 sideways{0, 0, 0};             // N s
+    Vec3 axis{0, 0, 0};                 // of the shaft there, at the step's end
+    Vec3 arm{0, 0, 0};                  // m, from centre_, on the shaft at the step's start
     bool slides = false;
   };
-  /// Tip and axis, which points to the hub, of the unbent shaft.
-  struct Line {
-    explicit Line(const ToolPose& pose)
-        : tip(pose.position), axis(pose.orientation * Vec3::UnitZ()), turn(pose.orientation) {}
-    double along(const Vec3& x) const { return axis.dot(x - tip); }
-    Vec3 aside(const Vec3& x) const { return x - tip - along(x) * axis; }
-    Vec3 tip, axis;
-    Quaternion turn;  // of the tool's frame
-  };
 
-  // Where the hole goes, by the positions at the step's start: needle_path.cpp.
-  void follow(const TouchedParticles& touched, const Line& line);
-  bool enter(const PredictedStep& step, const Line& line);
-  void look_around_shaft(const PredictedStep& step, const Line& line);
-  void lengthen(const PredictedStep& step, const Line& line);
+  // Where the holes go, by the positions at the step's start: needle_path.cpp.
+  void follow(const TouchedParticles& touched, const ShaftLine& line);
+  void pass_tail(const PredictedStep& step, const ShaftLine& line);
+  bool withdraw(const PredictedStep& step, const ShaftLine& line);
+  bool enter(const PredictedStep& step, const ShaftLine& line);
+  bool come_out(const PredictedStep& step, const ShaftLine& line);
+  void lengthen(const PredictedStep& step, const ShaftLine& line);
+  void add_nodes(const PredictedStep& step, const ShaftLine& line, double until);
+  bool add_node(const PredictedStep& step, const Vec3& x, std::int32_t body);
+  void forget();
+  std::size_t last_hole() const;  // row of its first node
+  // Where the shaft's line goes through the surface.
   struct Crossing {
-    double way = -1.0;     // m to the surface; negative: none
-    bool outward = false;  // goes out there
+    double along = 0.0;    // m
+    bool outward = false;  // toward the tail
+    std::int32_t body = 0;
   };
-  Crossing nearest_surface(const PredictedStep& step, const Vec3& x, const Vec3& direction) const;
-  NeedleNode node_at(const PredictedStep& step, const Vec3& x);
+  const std::vector<Crossing>& crossings(const PredictedStep& step, const ShaftLine& line, double from, double to);
+  void look_around_shaft(const PredictedStep& step, const ShaftLine& line, double from, double to);
+  NeedleNode node_at(const PredictedStep& step, const Vec3& x, std::int32_t body);
   static Vec3 place(const NeedleNode& node, const PredictedStep& step);
   double bears(const NeedleNode& node) const;
-  Vec3 shaft_at(const Line& line, double along) const;
+  Vec3 shaft_at(const ShaftLine& line, double along) const;
+  ShaftLine near_tip(const ShaftLine& line) const;
 
   // What acts on it: needle_coupling.cpp, needle_forces.cpp. k: row of a node.
-  void couple(TouchedParticles& touched, const Line& start, double turned);
+  void couple(TouchedParticles& touched, const ShaftLine& start);
+  ToolPose carried(TouchedParticles& touched, const ToolPose& start);
+  ToolPose balanced(const ToolPose& end, double dt) const;
   void couple_nodes(TouchedParticles& touched);
   void share_out_length();
   void limit(double turned, double dt);
-  void hold_sideways(std::size_t k, const Line& end, double dt);
+  void hold_sideways(std::size_t k, const ShaftLine& end, double dt);
   void couple_sideways(double dt);
-  void hold_on_bent(const Line& end, double dt);
-  void rub(std::size_t k, const Line& end, double dt);
-  void push_ahead(const Line& end, double dt);
-  void twist(std::size_t k, TouchedParticles& touched, const Line& end, double turned);
-  void settle(TouchedParticles& touched, const Line& end);
+  void hold_on_bent(const ShaftLine& end, double dt);
+  Vec3 limited(std::size_t k, const Vec3& sideways) const;
+  void rub(std::size_t k, const ShaftLine& end, double dt);
+  void push_ahead(const ShaftLine& end, double dt);
+  void twist(std::size_t k, TouchedParticles& touched, const ShaftLine& end, double turned);
+  void settle(TouchedParticles& touched, ToolPose& end_pose);
   void give(std::size_t k, const Vec3& impulse, double dt);
-  void hand_over(TouchedParticles& touched, const Line& end);
+  void hand_over(TouchedParticles& touched);
   Vec3 place_at_end(std::size_t k, TouchedParticles& touched) const;
   bool on_shaft(std::size_t node) const;
+
+  /// By how much nodes count as softer than they are: two that move as one leave no system singular.
+  static constexpr double slack = 1e-9;
 
   Needle needle_;
   double friction_ = 0.0, spread_ = 0.0;
@@ -108,15 +122,21 @@ class NeedlePath {
   std::vector<std::array<Index, 3>> facets_;  // outward
   std::vector<Index> surface_;                // their particles
   std::vector<std::uint8_t> sides_;           // [N] of look_around_shaft()
-  std::vector<std::uint8_t> removed_;         // [N] whether it has no mass
+  std::vector<std::int32_t> body_of_;         // [N] of connected bodies; below 0: it has no mass
+  std::vector<Crossing> crossings_;
+  std::vector<std::pair<Anchor, Vec3>> passed_;
   NeedleState state_;
   std::vector<Coupled> coupled_;  // per node of the hole, and some that wait for more
   std::vector<Index> found_;
   std::vector<double> share_of_;                     // [slot] 1/kg
   std::vector<std::pair<std::size_t, Vec3>> given_;  // slot, impulse: of this step
 
+  // Of a free needle.
+  Vec3 centre_{0, 0, 0};               // m, mean of the nodes that carry it
+  Eigen::Matrix<double, 6, 6> rigid_;  // kg, kg m, kg m^2: what these resist to its moving and turning
+
   // Of a shaft that bends. Rows are those of held_.
-  std::vector<std::size_t> held_;  // nodes held sideways in this step
+  std::vector<std::size_t> held_;  // nodes held sideways in this step; of a free needle, that carry it
   // As many of them as are held; the rest is room.
   Eigen::MatrixXd compliance_;  // m/N, of the shaft
   Eigen::MatrixXd gives_;       // m / (N s), of the shaft and the tissue; then its lower triangular factor

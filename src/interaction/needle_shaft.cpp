@@ -23,6 +23,43 @@ double tube_bending_stiffness(double outer_radius, double inner_radius, double y
   return young * std::numbers::pi / 4.0 * (std::pow(outer_radius, 4) - std::pow(inner_radius, 4));
 }
 
+ShaftLine::ShaftLine(const Needle& needle, const ToolPose& pose)
+    : tip_(pose.position),
+      axis_(pose.orientation * Vec3::UnitZ()),
+      turn_(pose.orientation),
+      arc_radius_(needle.arc_radius) {
+  if (arc_radius_ == 0.0) return;
+  round_ = 2.0 * std::numbers::pi * arc_radius_;
+  ahead_ = 0.5 * (round_ - needle.length);
+}
+
+double ShaftLine::along(const Vec3& x) const {
+  if (arc_radius_ == 0.0) return axis_.dot(x - tip_);
+  const Vec3 q = turn_.conjugate() * (x - tip_);
+  const double along = arc_radius_ * std::atan2(q.z(), arc_radius_ - q.x());
+  return along < -ahead_ ? along + round_ : along;
+}
+
+Vec3 ShaftLine::place(double along) const {
+  if (arc_radius_ == 0.0) return tip_ + along * axis_;
+  const double half = std::sin(0.5 * along / arc_radius_);
+  return tip_ + turn_ * Vec3(2.0 * arc_radius_ * half * half, 0.0, arc_radius_ * std::sin(along / arc_radius_));
+}
+
+Vec3 ShaftLine::axis(double along) const {
+  if (arc_radius_ == 0.0) return axis_;
+  return turn_ * Vec3(std::sin(along / arc_radius_), 0.0, std::cos(along / arc_radius_));
+}
+
+Vec3 ShaftLine::aside(const Vec3& x) const {
+  if (arc_radius_ == 0.0) return x - tip_ - along(x) * axis_;
+  return x - place(along(x));
+}
+
+Vec3 shaft_place(const Needle& needle, double along) {
+  return ShaftLine(needle, {}).place(along);
+}
+
 double shaft_compliance(const Needle& needle, double at, double from) {
   if (needle.bending_stiffness == 0.0) return 0.0;
   const double a = std::clamp(needle.length - at, 0.0, needle.length);
@@ -46,7 +83,7 @@ VecList shaft_points(const Needle& needle, std::span<const ShaftLoad> loads, int
   VecList points;
   for (int k = 0; k < count; ++k) {
     const double along = needle.length * k / (count - 1);
-    points.push_back(Vec3(0, 0, along) + shaft_deflection(needle, loads, along));
+    points.push_back(shaft_place(needle, along) + shaft_deflection(needle, loads, along));
   }
   return points;
 }

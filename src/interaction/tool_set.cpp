@@ -133,7 +133,8 @@ void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
   if (steps == 0) return;
   at_once_ = at_once;
   for (std::size_t row = 0; row < tools_.size(); ++row) {
-    tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
+    const bool moves = tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
+    if (tools_[row].needle && moves) tools_[row].needle->set_free(false);
     if (tools_[row].blade) tools_[row].blade->begin_call();
     if (tools_[row].needle) tools_[row].needle->follow_stiffness(scene.model(), scene.stiffness_factors());
   }
@@ -213,13 +214,11 @@ bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<b
     if (tool.needle && !tool.needle->state().hole.empty()) return true;
     if (tool.blade && tool.blade->holds()) return true;
     if (tool.shape.kind == ShapeKind::half_space) return true;  // a floor is always under something
-    Region own = tool.bounds;
-    if (tool.needle) own.high.z() += tool.needle->length();
     Region all{.low = Vec3::Constant(HUGE_VAL), .high = Vec3::Constant(-HUGE_VAL)};
     ToolMotion motion = moved.motion;
     for (int step = 0; step < steps; ++step) {
       motion.advance(dt);
-      const Region region = swept_bounds(tool.shape, own, ToolFrame(motion.pose), ToolFrame(motion.next_pose),
+      const Region region = swept_bounds(tool.shape, tool.bounds, ToolFrame(motion.pose), ToolFrame(motion.next_pose),
                                          tool.blade                    ? tool.blade->reach()
                                          : tool.needle || tool.surface ? wide
                                                                        : 0.0);
@@ -253,6 +252,7 @@ void ToolSet::act(TouchedParticles& touched) {
     tool.next_force = {};
     tool.moved.motion.advance(touched.dt());
     tool.law.placed = tool.moved.motion.placed || (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
+    if (tool.needle && tool.moved.releases) tool.needle->set_free(true);
     if (tool.moved.releases) tool.moved.release();
   }
   for (Moving& tool : tools_) {
@@ -261,8 +261,11 @@ void ToolSet::act(TouchedParticles& touched) {
     hold(tool, touched);
   }
   for (Moving& tool : tools_) {
-    const ToolMotion& motion = tool.moved.motion;
-    if (tool.needle) tool.needle->act(touched, motion.pose, motion.next_pose, tool.next_force);
+    ToolMotion& motion = tool.moved.motion;
+    if (tool.needle) {
+      tool.needle->act(touched, motion.pose, motion.next_pose, tool.next_force);
+      if (!threads_.empty()) threads_.follow_needle(tool.moved.name, tool.needle->passed(), motion.pose);
+    }
     if (tool.blade) tool.blade->act(touched, motion.next_pose, tool.next_force);
   }
   for (Moving& tool : tools_) {
@@ -275,7 +278,8 @@ void ToolSet::act_by_threads(TouchedParticles& touched) {
   threads_.act(touched, [this](std::string_view name) {
     Moving& tool =
         *std::ranges::find(tools_, name, [](const Moving& moving) { return std::string_view(moving.moved.name); });
-    return ThreadSet::AtTool{&tool.moved.motion.pose, &tool.moved.motion.next_pose, &tool.next_force};
+    return ThreadSet::AtTool{&tool.moved.motion.pose, &tool.moved.motion.next_pose, &tool.next_force,
+                             tool.needle && tool.needle->state().free};
   });
 }
 

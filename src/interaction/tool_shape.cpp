@@ -38,8 +38,10 @@ ToolExtent extent(const std::shared_ptr<const DistanceGrid>& grid) {
           .low = grid->origin(),
           .high = grid->origin() + grid->spacing() * Vec3(nx - 1, ny - 1, nz - 1)};
 }
-ToolExtent extent(const Needle&) {
-  return {};
+ToolExtent extent(const Needle& needle) {  // its shaft, or the whole circle
+  const double r = needle.arc_radius;
+  if (r > 0.0) return {.low = {0, 0, -r}, .high = {2 * r, 0, r}};
+  return {.high = {0, 0, needle.length}};
 }
 ToolExtent extent(const Blade& blade) {  // its edge
   return {.low = {-0.5 * blade.width, 0, 0}, .high = {0.5 * blade.width, 0, 0}};

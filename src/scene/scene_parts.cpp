@@ -68,14 +68,17 @@ SceneParts Scene::parts() const {
   return parts;
 }
 
+ThreadHandle Scene::add_thread(const SceneThread& thread) & {
+  if (!thread.is_sewn()) return add_thread(thread.name, thread.thread, thread.start, thread.direction);
+  if (thread.passages.empty()) return swage(thread.name, thread.thread, {});
+  return sew(thread.name, thread.thread, thread.passages);
+}
+
 /// A thread that stays keeps its id.
 void Scene::bring_back_threads(const std::vector<SceneThread>& wanted) {
   const std::vector<SceneThread> before = std::exchange(threads_, {});
   for (const SceneThread& thread : wanted) {
-    const ThreadHandle added = thread.is_sewn()
-                                   ? sew(thread.name, thread.thread, thread.passages)
-                                   : add_thread(thread.name, thread.thread, thread.start, thread.direction);
-    added.set(thread.control);
+    add_thread(thread).set(thread.control);
     const auto own = std::ranges::find_if(before, [&](const SceneThread& known) { return same(known, thread); });
     if (own == before.end()) continue;
     threads_.back().id = own->id;

@@ -69,10 +69,12 @@ void require_way(const SceneThread& thread, const VecList& rest) {
               " m; got a length of " + to_decimal(thread.thread.length) + " m");
 }
 
-/// Sorted rows of a knot; throws Error.
+/// Sorted rows of a knot, of passages that a needle makes, too; throws Error.
 Knot knot_of(const SceneThread& thread, Index a, Index b, int throws) {
   const std::string label = thread_label(thread.name);
-  require_indices(std::array{a, b}, thread.passages.size(), "passages", [&] { return label; });
+  const bool by_needle = thread.direction == Vec3::Zero();
+  require_indices(std::array{a, b}, by_needle ? most_passages : thread.passages.size(), "passages",
+                  [&] { return label; });
   if (a == b) throw Error(label + "expected two passages to tie to each other, got " + std::to_string(a) + " twice");
   if (throws < 1) throw Error(label + "expected 1 throw of a knot or more, got " + std::to_string(throws));
   return {std::min(a, b), std::max(a, b), throws};
@@ -126,7 +128,8 @@ ThreadHandle Scene::sew(std::string name, const Thread& thread, std::vector<Anch
   require_new_thread(added);
   if (added.passages.size() < 2 || added.passages.size() > most_passages) {
     throw Error(thread_label(added.name) + "expected 2 to " + std::to_string(most_passages) +
-                " places to sew through, got " + std::to_string(added.passages.size()));
+                " places to sew through, got " + std::to_string(added.passages.size()) +
+                "; swage it to a needle that makes them");
   }
   for (std::size_t row = 0; row < added.passages.size(); ++row) {
     const std::string label = thread_label(added.name) + "passage " + std::to_string(row) + ": ";
@@ -158,6 +161,40 @@ ThreadHandle Scene::sew(std::string name, const Thread& thread, std::span<const 
 
 ThreadHandle Scene::sew(const Thread& thread, std::span<const Vec3> places) & {
   return sew(default_name("thread", next_thread_, threads_), thread, places);
+}
+
+ThreadHandle Scene::swage(std::string name, const Thread& thread, std::string_view needle) & {
+  SceneThread added{.id = next_thread_, .name = std::move(name), .thread = thread, .direction = Vec3::Zero()};
+  require_new_thread(added);
+  if (!needle.empty()) {
+    const auto* const shape = std::get_if<Needle>(&item_named(tools_, "tool", needle).tool.shape);
+    if (!shape) {
+      throw Error(thread_label(added.name) + "expected a needle to swage to; the tool \"" + std::string(needle) +
+                  "\" has another shape");
+    }
+    added.control.ends[1] = {.hold = TipHold::anchored,
+                             .anchor = at_tool(std::string(needle), shaft_place(*shape, shape->length))};
+  }
+  threads_.push_back(std::move(added));
+  ++version_;
+  return {*this, next_thread_++};
+}
+
+ThreadHandle Scene::add_clip(std::string name, const Clip& clip, const Anchor& one, const Anchor& other) & {
+  const std::string label = "clip \"" + name + "\": ";
+  require_not_negative(label, "gap (m)", clip.gap);
+  for (const auto& [what, value] : {std::pair{"holding force (N)", clip.holding}, {"opening (m)", clip.opening}}) {
+    if (!(value > 0.0) || !std::isfinite(value)) {
+      throw Error(label + "expected a finite " + what + " above 0, got " + to_decimal(value));
+    }
+  }
+  for (const Anchor& anchor : {one, other}) AnchorCheck{label, *model_, tools_}(anchor);
+  const double apart = (anchor_place(one, model_->rest, {}) - anchor_place(other, model_->rest, {})).norm();
+  // Only one of both clamps lets thread through; the tail behind each is as long as the opening.
+  const ThreadHandle added =
+      sew(std::move(name), {.length = apart + 2.0 * clip.opening, .friction = 0.0}, std::vector<Anchor>{one, other});
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) added.clamp(tip, clip.holding, clip.gap);
+  return added;
 }
 
 Scene& Scene::remove_thread(std::string_view name) {
@@ -224,6 +261,19 @@ void ThreadHandle::fix(ThreadTip tip) const {
   ++thread.changes;
 }
 
+void ThreadHandle::clamp(ThreadTip tip, double holding, double gap) const {
+  SceneThread& thread = own();
+  const std::string label = thread_label(thread.name);
+  if (!thread.is_sewn()) throw Error(label + "expected a sewn thread to clamp; hold a node, or join");
+  if (!(holding > 0.0) || !std::isfinite(holding) || !std::isfinite(gap)) {
+    throw Error(label + "expected a finite holding force (N) above 0 and a finite gap (m), got " + to_decimal(holding) +
+                " and " + to_decimal(gap));
+  }
+  thread.control.ends[static_cast<std::size_t>(tip)] = {
+      .hold = TipHold::clamped, .holding = holding, .gap = gap < 0.0 ? -1.0 : gap};
+  ++thread.changes;
+}
+
 void ThreadHandle::tie(Index passage, Index other, int throws) const {
   SceneThread& thread = own();
   const Knot knot = knot_of(thread, passage, other, throws);
@@ -248,6 +298,7 @@ void ThreadHandle::set(const ThreadControl& wanted) const {
     if (end.hold == TipHold::fixed) fix(tip);
     if (end.hold == TipHold::pulled) pull(tip, end.force);
     if (end.hold == TipHold::anchored) join(tip, end.anchor);
+    if (end.hold == TipHold::clamped) clamp(tip, end.holding, end.gap);
   }
   if (wanted.held != now.held) {
     for (const HeldNode& held : now.held) release(held.node);
@@ -260,9 +311,15 @@ void ThreadHandle::set(const ThreadControl& wanted) const {
 }
 
 void require_thread_states(const State& state, const std::vector<SceneThread>& threads) {
+  const auto is_particle = [&](Index i) { return i >= 0 && static_cast<std::size_t>(i) < state.position.size(); };
+  const auto is_place = [&](const Anchor& anchor) {
+    return !anchor.particles.empty() && anchor.weights.size() == anchor.particles.size() &&
+           std::ranges::all_of(anchor.particles, is_particle) &&
+           std::ranges::all_of(anchor.weights, [](double w) { return std::isfinite(w); });
+  };
   for (const ThreadState& own : state.threads) {
     const auto known = std::ranges::find(threads, own.name, &SceneThread::name);
-    if (known == threads.end() || fits(own, *known)) continue;
+    if (known == threads.end() || (fits(own, *known) && std::ranges::all_of(own.sewn, is_place))) continue;
     throw Error("Solver::reset: the state of thread \"" + own.name +
                 "\" has lists of other lengths than the scene's thread of that name, passages that it does not have, "
                 "or numbers that no thread has; give the scene the thread that the state was taken with, or take its "
@@ -283,7 +340,8 @@ bool fits(const ThreadState& state, const SceneThread& thread) {
     return good && all(state.tension, [](double x) { return std::isfinite(x); }) && segments + 1 == nodes &&
            state.position.size() == nodes && state.velocity.size() == nodes && passages == 0 && state.knots.empty();
   }
-  const auto has = [&](Index row) { return row >= 0 && static_cast<std::size_t>(row) < thread.passages.size(); };
+  const std::size_t rows = thread.passages.size() + state.sewn.size();
+  const auto has = [&](Index row) { return row >= 0 && static_cast<std::size_t>(row) < rows; };
   return good && all(state.tension, size) && state.velocity.empty() && all(state.passages, has) &&
          segments == (passages == 0 && state.knots.empty() ? std::min<std::size_t>(segments, 1) : passages + 1) &&
          std::ranges::adjacent_find(state.passages, std::greater_equal()) == state.passages.end() &&

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/decimal.h"
 #include "default_name.h"
@@ -18,6 +19,7 @@ namespace {
 /// Share of a spacing below which a needle's nodes, one every `spread`, are means of the same particles: hundreds of
 /// them, each pair of which a step couples, for curves that a few give.
 constexpr double least_spread = 0.1;
+constexpr double most_of_circle = 0.9;  // that an arc may be
 
 std::string label(std::string_view tool) {
   return "tool \"" + std::string(tool) + "\": ";
@@ -40,6 +42,17 @@ void require_needle(std::string_view tool, const Needle& needle) {
   if (needle.bending_stiffness > 0.0 && needle.bending_stiffness < 1e-12) {
     throw Error(label(tool) + "expected a bending stiffness of 0 (stiff), or at least 1e-12 N m^2, got " +
                 to_decimal(needle.bending_stiffness));
+  }
+  require_not_negative(label(tool), "radius of an arc (m)", needle.arc_radius);
+  require_not_negative(label(tool), "force to come out (N)", needle.leaving);
+  if (needle.arc_radius > 0.0 && needle.length > most_of_circle * 2.0 * std::numbers::pi * needle.arc_radius) {
+    throw Error(label(tool) + "expected an arc of at most nine tenths of a circle, " +
+                to_decimal(most_of_circle * 2.0 * std::numbers::pi * needle.arc_radius) + " m; got a length of " +
+                to_decimal(needle.length) + " m");
+  }
+  if (needle.arc_radius > 0.0 && needle.bending_stiffness > 0.0) {
+    throw Error(label(tool) + "expected a bending stiffness of 0 (stiff) for an arc, got " +
+                to_decimal(needle.bending_stiffness) + " N m^2");
   }
   if (needle.cutting > needle.puncture) {
     throw Error(label(tool) + "expected a cutting force of at most the puncture force " + to_decimal(needle.puncture) +

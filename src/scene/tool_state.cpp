@@ -68,7 +68,8 @@ void require_fitting_shape(const ToolState& state, const SceneTool& tool) {
     throw Error("Solver::reset: the state of tool \"" + state.name +
                 "\" has points of a blade, but the scene's tool of that name is no blade" + what_to_do);
   }
-  const bool pierces = !state.needle.hole.empty() || !state.needle.shaft.empty() || state.needle.punctured;
+  const bool pierces =
+      !state.needle.hole.empty() || !state.needle.shaft.empty() || state.needle.punctured || state.needle.free;
   if (!is_needle(tool) && pierces) {
     throw Error("Solver::reset: the state of tool \"" + state.name +
                 "\" has a needle's hole, but the scene's tool of that name is no needle" + what_to_do);

@@ -21,7 +21,8 @@ namespace {
 /// Parts in the bytes alone, so that files are read that were written before snapshots had them.
 constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
                      *cuts_part = "cuts", *blades_part = "blades", *threads_part = "threads",
-                     *scene_threads_part = "scene threads", *fluids_part = "fluids";
+                     *scene_threads_part = "scene threads", *fluids_part = "fluids", *sewn_part = "sewn passages",
+                     *needles_part = "needles";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -118,6 +119,19 @@ void blade_fields(Bytes& bytes, Points& points) {
   });
 }
 
+/// What states of tools written before do not have.
+template <class Bytes, class Tools>
+void needle_fields(Bytes& bytes, Tools& tools) {
+  for (auto& tool : tools) {
+    bytes.field(tool.needle.free, "whether a needle is free");
+    for (auto& node : tool.needle.hole) bytes.field(node.out, "whether a hole ends");
+  }
+}
+
+bool has_needle_fields(const ToolState& tool) {
+  return tool.needle.free || std::ranges::any_of(tool.needle.hole, &NeedleNode::out);
+}
+
 }  // namespace
 
 void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
@@ -139,8 +153,10 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   const bool threads = !snapshot.state.threads.empty();
   const bool scene_threads = with_scene && !snapshot.scene->threads.empty();
   const bool fluids = !snapshot.state.fluids.empty();
-  const std::array<bool, 8> further{moved,  with_scene, removed,       !snapshot.cuts.empty(),
-                                    blades, threads,    scene_threads, fluids};
+  const bool needles = std::ranges::any_of(snapshot.state.tools, has_needle_fields);
+  const bool sewn = std::ranges::any_of(snapshot.state.threads, [](const ThreadState& t) { return !t.sewn.empty(); });
+  const std::array<bool, 10> further{moved,   with_scene,    removed, !snapshot.cuts.empty(), blades,
+                                     threads, scene_threads, fluids,  needles,                sewn};
   out.u64(snapshot.parts.size() + static_cast<std::size_t>(std::ranges::count(further, true)));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
@@ -188,6 +204,18 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     fluid_fields(states, snapshot.state.fluids);
     out.text(fluids_part);
     out.text(states.bytes());
+  }
+  if (sewn) {
+    ByteWriter passages;
+    put_sewn(passages, snapshot.state.threads);
+    out.text(sewn_part);
+    out.text(passages.bytes());
+  }
+  if (needles) {
+    ByteWriter holes;
+    needle_fields(holes, snapshot.state.tools);
+    out.text(needles_part);
+    out.text(holes.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -268,6 +296,16 @@ Snapshot take_snapshot(ByteReader& in) {
                std::isfinite(fluid.pressure_before);
       });
       if (!sound) in.fail("expected fluids with a volume above 0 and finite pressures; the file is damaged");
+      continue;
+    }
+    if (part.name == sewn_part) {
+      take_sewn(bytes, snapshot.state.threads);
+      bytes.expect_end("the passages of threads");
+      continue;
+    }
+    if (part.name == needles_part) {
+      needle_fields(bytes, snapshot.state.tools);
+      bytes.expect_end("the needles");
       continue;
     }
     if (part.name == motion_part) {

@@ -42,6 +42,9 @@ void control_fields(Bytes& bytes, Any& control) {
     code(bytes, end.hold, "what holds a thread's tip");
     bytes.field(end.force, "a force");
     anchor_fields(bytes, end.anchor);
+    if (end.hold != TipHold::clamped) continue;
+    bytes.field(end.holding, "a clamp's force");
+    bytes.field(end.gap, "a clamp's gap");
   }
   bytes.list(control.held, 28, "a number of held nodes", [&](auto& held) {
     bytes.field(held.node, "a node");
@@ -106,10 +109,7 @@ std::vector<SceneThread> take_threads(ByteReader& in) {
 
 void add_threads(ByteReader& in, Scene& scene) {
   for (SceneThread& thread : take_threads(in)) {
-    const ThreadHandle added = thread.is_sewn()
-                                   ? scene.sew(thread.name, thread.thread, std::move(thread.passages))
-                                   : scene.add_thread(thread.name, thread.thread, thread.start, thread.direction);
-    added.set(thread.control);
+    scene.add_thread(thread).set(thread.control);
   }
 }
 
@@ -121,6 +121,18 @@ void change_control(ByteReader& in, const ThreadHandle& thread) {
   ThreadControl wanted;
   control_fields(in, wanted);
   thread.set(wanted);
+}
+
+void put_sewn(ByteWriter& out, const std::vector<ThreadState>& threads) {
+  for (const ThreadState& state : threads) {
+    out.list(state.sewn, 0, "", [&](const Anchor& anchor) { anchor_fields(out, anchor); });
+  }
+}
+
+void take_sewn(ByteReader& in, std::vector<ThreadState>& threads) {
+  for (ThreadState& state : threads) {
+    in.list(state.sewn, 48, "a number of passages", [&](Anchor& anchor) { anchor_fields(in, anchor); });
+  }
 }
 
 void put_thread_states(ByteWriter& out, const std::vector<ThreadState>& threads) {

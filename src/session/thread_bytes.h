@@ -17,6 +17,9 @@ void add_threads(ByteReader& in, Scene& scene);  ///< throws Error for bytes tha
 void put_control(ByteWriter& out, const ThreadControl& control);
 void change_control(ByteReader& in, const ThreadHandle& thread);
 
+/// ThreadState::sewn of each, apart from the rest: files written before have none.
+void put_sewn(ByteWriter& out, const std::vector<ThreadState>& threads);
+void take_sewn(ByteReader& in, std::vector<ThreadState>& threads);
 void put_thread_states(ByteWriter& out, const std::vector<ThreadState>& threads);
 std::vector<ThreadState> take_thread_states(ByteReader& in);
 

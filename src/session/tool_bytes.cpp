@@ -25,7 +25,7 @@ void each_member(Shape& shape, Visit visit) {
   } else if constexpr (std::is_same_v<Plain, Box>) {
     for (int a = 0; a < 3; ++a) visit(shape.half_size[a]);
   } else if constexpr (std::is_same_v<Plain, Needle>) {
-    auto& [length, radius, puncture, cutting, at_rest, sliding, spread, bending] = shape;
+    auto& [length, radius, puncture, cutting, at_rest, sliding, spread, bending, arc, leaving] = shape;
     for (auto* m : {&length, &radius, &puncture, &cutting, &at_rest, &sliding, &spread, &bending}) visit(*m);
   } else if constexpr (std::is_same_v<Plain, Blade>) {
     visit(shape.width);
@@ -60,7 +60,19 @@ ToolShape take_members(ByteReader& in) {
   return shape;
 }
 
+/// What files of straight needles do not have.
+template <class Bytes, class Any>
+void arc_fields(Bytes& bytes, Any& needle) {
+  bytes.field(needle.arc_radius, "radius of an arc");
+  bytes.field(needle.leaving, "force to come out");
+}
+
 ToolShape take_shape(ByteReader& in, ShapeKind kind) {
+  if (kind == arc_needle) {
+    ToolShape shape = take_members<Needle>(in);
+    arc_fields(in, std::get<Needle>(shape));
+    return shape;
+  }
   switch (kind) {
     case ShapeKind::sphere:
       return take_members<Sphere>(in);
@@ -135,7 +147,9 @@ void require_one_each(const ByteReader& in, std::size_t items, std::size_t parti
 }  // namespace
 
 void tool_fields(ByteWriter& out, const Tool& tool) {
-  code(out, kind_of(tool.shape), "");
+  const auto* const needle = std::get_if<Needle>(&tool.shape);
+  const bool is_arc = needle && (needle->arc_radius != 0.0 || needle->leaving != 0.0);
+  code(out, is_arc ? arc_needle : kind_of(tool.shape), "");
   std::visit(
       [&](const auto& shape) {
         if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, std::shared_ptr<const DistanceGrid>>) {
@@ -145,6 +159,7 @@ void tool_fields(ByteWriter& out, const Tool& tool) {
         }
       },
       tool.shape);
+  if (is_arc) arc_fields(out, *needle);
   law_fields(out, tool);
 }
 

@@ -21,8 +21,10 @@ constexpr int codes_of(LoadType) {
 constexpr int codes_of(Axis) {
   return static_cast<int>(Axis::driven) + 1;
 }
+/// Of files alone: a needle that is an arc, or resists where it comes out.
+inline constexpr auto arc_needle = static_cast<ShapeKind>(static_cast<int>(ShapeKind::blade) + 1);
 constexpr int codes_of(ShapeKind) {
-  return static_cast<int>(ShapeKind::blade) + 1;
+  return static_cast<int>(arc_needle) + 1;
 }
 constexpr int codes_of(ToolContact) {
   return static_cast<int>(ToolContact::surface) + 1;
@@ -31,7 +33,7 @@ constexpr int codes_of(FluidLaw) {
   return static_cast<int>(FluidLaw::curve) + 1;
 }
 constexpr int codes_of(TipHold) {
-  return static_cast<int>(TipHold::anchored) + 1;
+  return static_cast<int>(TipHold::clamped) + 1;
 }
 
 template <class Enum>

@@ -93,13 +93,15 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   saved.state.time = 5e-324;
   saved.state.position = {{-0.0, 1.7976931348623157e308, 0.1}};
   saved.state.velocity = {{2.2250738585072014e-308, -5e-324, 3}};
-  const ToolState tool{.name = "probe",
-                       .pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}},
-                       .placed = false,
-                       .held = {0},
-                       .held_at = {{1e-3, 0, -0.0}},
-                       .needle = {{{{0}, {0.25}, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}}};
+  const ToolState tool{
+      .name = "probe",
+      .pose = {{1, 2, 3}, Quaternion(0.5, -0.5, 0.5, -0.5), {4, 5, 6}, {7, 8, 9}},
+      .placed = false,
+      .held = {0},
+      .held_at = {{1e-3, 0, -0.0}},
+      .needle = {{{{0}, {0.25}, true, true}, {{}, {}, false}}, true, true, 1e-5, {{-1e-3, 0.5, -0.0}}, true}};
   saved.state.tools = {tool, ToolState{}};
+  saved.state.threads = {{.name = "thread"}, {.name = "suture", .sewn = {at_mean({0, 1}), {{0}, {1.0}}}}};
   saved.displacement = {{-0.0, 1e-300, 7}};
   saved.last_dt = 1e-9;
   saved.steps_at_rest = 12;
@@ -113,6 +115,17 @@ TEST(StateFile, ExtremeNumbersComeBackBitForBit) {
   // Little-endian whatever the machine: magic, version 4, and the body's fingerprint at byte 24.
   EXPECT_EQ(text_of(path).substr(0, 16), std::string("phymulSt\4\0\0\0body", 16));
   EXPECT_EQ(text_of(path).substr(24, 8), "\x10\x32\x54\x76\x98\xba\xdc\xfe");
+  // What older files do not have is only in those that need it.
+  const auto has_parts = [&] {
+    const std::string bytes = text_of(path);
+    return bytes.find("needles") != std::string::npos || bytes.find("sewn passages") != std::string::npos;
+  };
+  EXPECT_TRUE(has_parts());
+  saved.state.tools[0].needle.free = saved.state.tools[0].needle.hole[0].out = false;
+  saved.state.threads[1].sewn.clear();
+  save_state(saved, path);
+  EXPECT_EQ(read_state(path), saved);
+  EXPECT_FALSE(has_parts());
 }
 
 TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
@@ -143,10 +156,10 @@ TEST(StateFile, OtherBodiesAreRefusedAndTheSolverKeepsItsState) {
 TEST(StateFile, KnowsEveryMemberOfAToolsState) {
   EXPECT_EQ(sizeof(NeedleNode), 2 * sizeof(std::vector<int>) + 8)
       << "write the new member in src/session/tool_bytes.cpp";
-  EXPECT_EQ(sizeof(NeedleState), 2 * sizeof(std::vector<int>) + 8 + 8)
+  EXPECT_EQ(sizeof(NeedleState), 2 * sizeof(std::vector<int>) + 8 + 8 + 8)
       << "write the new member in src/session/tool_bytes.cpp";
   EXPECT_EQ(sizeof(ShaftLoad), 3 * sizeof(double)) << "write the new member in src/session/tool_bytes.cpp";
-  EXPECT_EQ(sizeof(Needle), 8 * sizeof(double)) << "write the new member in src/session/tool_bytes.cpp";
+  EXPECT_EQ(sizeof(Needle), 10 * sizeof(double)) << "write the new member in src/session/tool_bytes.cpp";
   EXPECT_EQ(sizeof(ToolPose), 13 * sizeof(double)) << "write the new member in src/session/tool_bytes.cpp";
 }
 

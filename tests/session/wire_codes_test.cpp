@@ -33,7 +33,7 @@ TEST(WireCodes, NeverChange) {
     EXPECT_EQ(take_load(in), load);
   }
   code = 0;
-  for (const TipHold hold : {TipHold::pulled, TipHold::fixed, TipHold::anchored}) {
+  for (const TipHold hold : {TipHold::pulled, TipHold::fixed, TipHold::anchored, TipHold::clamped}) {
     ByteWriter out;
     put_control(out, {.ends = {ThreadEnd{.hold = hold}, ThreadEnd{}}});
     EXPECT_EQ(first_byte(out.bytes()), code++);
@@ -42,7 +42,8 @@ TEST(WireCodes, NeverChange) {
       std::make_shared<const DistanceGrid>(Vec3::Zero(), 1.0, std::array{2, 2, 2}, std::vector<float>(8, -1.0f));
   code = 0;
   for (const ToolShape& shape : {ToolShape(Sphere{1}), ToolShape(Capsule{1, 2}), ToolShape(HalfSpace{}),
-                                 ToolShape(Box{{1, 1, 1}}), ToolShape(grid), ToolShape(Needle{})}) {
+                                 ToolShape(Box{{1, 1, 1}}), ToolShape(grid), ToolShape(Needle{}), ToolShape(Blade{}),
+                                 ToolShape(Needle{.arc_radius = 0.05, .leaving = 0.1})}) {
     ByteWriter out;
     tool_fields(out, {.shape = shape});
     EXPECT_EQ(first_byte(out.bytes()), code++);
@@ -50,6 +51,9 @@ TEST(WireCodes, NeverChange) {
     Tool tool;
     tool_fields(in, tool);
     EXPECT_EQ(tool.shape.index(), shape.index());
+    if (!std::holds_alternative<std::shared_ptr<const DistanceGrid>>(shape)) {
+      EXPECT_EQ(tool.shape, shape);
+    }
   }
   code = 0;
   for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {

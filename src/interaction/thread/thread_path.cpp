@@ -52,10 +52,11 @@ Vec3 ThreadPath::place(TouchedParticles& touched, std::size_t point, bool end) c
 }
 
 /// Points at their predicted places, and the first rest lengths.
-void ThreadPath::begin(TouchedParticles& touched, const std::array<Outside, 2>& tips) {
+void ThreadPath::begin(TouchedParticles& touched, const std::array<Outside, 2>& tips, int steps_left) {
   next_ = state_;
   next_.force.fill(Vec3::Zero());
   pieces_.clear();
+  if (passages_.empty()) return;
   if (next_.rest_length.empty()) {
     for (std::size_t row = 0; row < passages_.size(); ++row) next_.passages.push_back(static_cast<Index>(row));
     next_.slides.assign(passages_.size(), 0);
@@ -84,7 +85,11 @@ void ThreadPath::begin(TouchedParticles& touched, const std::array<Outside, 2>& 
     place_[tip * last] = is_anchored(tip) ? tips[tip].end : place_[next];
   }
   set_first_lengths();
-  if (!next_.passages.empty()) list_pieces();
+  for (const std::size_t tip : {0, 1}) {
+    draw(tip, steps_left);
+    if (is_anchored(tip) && tips[tip].is_loose) loosen(tip);
+  }
+  if (!next_.passages.empty()) list_pieces(tips);
 }
 
 /// As long as the way; what the thread has left goes to the tails.
@@ -99,7 +104,7 @@ void ThreadPath::set_first_lengths() {
   for (const std::size_t tip : {0, 1}) {
     double& tail = tip == 0 ? rest.front() : rest.back();
     if (is_anchored(tip) && !next_.anchored[tip]) tail = way(tip * (rest.size() - 1));
-    next_.anchored[tip] = is_anchored(tip);
+    if (!is_clamped(tip)) next_.anchored[tip] = is_anchored(tip);
   }
 }
 
@@ -144,20 +149,23 @@ void ThreadPath::take_over_knots() {
   }
 }
 
-void ThreadPath::list_pieces() {
+void ThreadPath::list_pieces(const std::array<Outside, 2>& tips) {
   const std::size_t passages = next_.passages.size();
   locked_.assign(passages, 0);
+  holding_.assign(passages, 0.0);
   for (std::size_t k = 0; k <= passages; ++k) {
     pieces_.push_back({.a = k, .b = k + 1, .rest = next_.rest_length[k], .given = next_.broken[k] ? 0.0 : -1.0});
   }
   for (const std::size_t tip : {0, 1}) {
     const ThreadEnd& end = control_.ends[tip];
     ThreadPiece& tail = pieces_[tip * passages];
+    if (is_anchored(tip) && tips[tip].is_loose) tail.given = 0.0;
     if (end.hold == TipHold::anchored) continue;
     const double force = end.force.norm();
     tail.given = next_.broken[tip * passages] ? 0.0 : force;
     if (force > 0.0) tail.along = (tip == 0 ? -1.0 : 1.0) / force * end.force;
     if (end.hold == TipHold::fixed) locked_[tip * (passages - 1)] = 1;
+    if (end.hold == TipHold::clamped) holding_[tip * (passages - 1)] = end.holding;
   }
   take_over_knots();
   for (std::size_t k = 0; k < pieces_.size(); ++k) {
@@ -183,7 +191,7 @@ void ThreadPath::put_segments(ThreadTensions& all) {
       all.bends.push_back({.slides = next_.slides[k - 1],
                            .locked = locked_[k - 1] != 0,
                            .growth = std::exp(std::min(thread_.friction * wrap, most_exponent)),
-                           .channel = thread_.channel_friction});
+                           .channel = thread_.channel_friction + holding_[k - 1]});
     } else if (first_piece_ > 0) {
       all.bends.push_back({});
     }
@@ -311,7 +319,8 @@ std::size_t ThreadPath::passage_left() const {
   const std::size_t last = next_.passages.size();
   const auto is_through = [&](std::size_t k) {
     const bool tail = k == 0 || k == last;
-    const bool loose = next_.broken[k] || (tail && control_.ends[k > 0].hold == TipHold::pulled);
+    const TipHold hold = control_.ends[k > 0].hold;
+    const bool loose = next_.broken[k] || (tail && (hold == TipHold::pulled || hold == TipHold::clamped));
     return loose && next_.rest_length[k] <= 0.0;
   };
   std::size_t p = 0;

@@ -22,7 +22,7 @@ class ThreadPath {
   explicit ThreadPath(const SceneThread& thread);
 
   const ThreadState& state() const { return state_; }
-  void restore(const ThreadState& state) { state_ = state; }
+  void restore(const ThreadState& state);  ///< of a thread that was just made
   /// Takes over what holds the thread; `mass`: of all particles, kg. Passages of removed particles let go.
   void follow(const SceneThread& thread, std::span<const double> mass);
   std::vector<Index> particles() const;  ///< that it may pull, some more than once
@@ -30,9 +30,12 @@ class ThreadPath {
   /// A tip that is anchored outside the body: where, m, at the start and the end of the step.
   struct Outside {
     Vec3 start{0, 0, 0}, end{0, 0, 0};
+    bool is_loose = false;  // the tail has no tension
   };
-  /// Begins a step, where the particles would go by themselves.
-  void begin(TouchedParticles& touched, const std::array<Outside, 2>& tips);
+  /// A new passage at `place`, m, behind all others; the last tip is at `tip`.
+  void append(const Anchor& anchor, const Vec3& place, const Vec3& tip);
+  /// Begins a step, where the particles would go by themselves. `steps_left`: of the call.
+  void begin(TouchedParticles& touched, const std::array<Outside, 2>& tips, int steps_left);
   void put_segments(ThreadTensions& all);
   void put_knots(ThreadTensions& all);  ///< after the segments of all threads
   void take(TouchedParticles& touched, const ThreadTensions& all);
@@ -42,13 +45,16 @@ class ThreadPath {
 
  private:
   bool is_anchored(std::size_t tip) const { return control_.ends[tip].hold == TipHold::anchored; }
+  bool is_clamped(std::size_t tip) const { return control_.ends[tip].hold == TipHold::clamped; }
   bool is_free_row(Index row) const;
   std::size_t point_of(Index row) const;  // of SceneThread::passages; 0: the thread no longer goes through it
   Vec3 place(TouchedParticles& touched, std::size_t point, bool end) const;
   void set_first_lengths();
+  void draw(std::size_t tip, int steps_left);
+  void loosen(std::size_t tip);
   void take_from_tails(double length);
   void take_over_knots();
-  void list_pieces();
+  void list_pieces(const std::array<Outside, 2>& tips);
   void push(TouchedParticles& touched);
   void move_rest_length();
   void note_events();
@@ -65,6 +71,7 @@ class ThreadPath {
   VecList start_, place_, force_;       // [points] m, at the start and predicted for the end; N
   std::vector<ThreadPiece> pieces_;     // segments, then knots
   std::vector<std::uint8_t> locked_;    // [passages]
+  std::vector<double> holding_;         // [passages] N, of clamps
   std::size_t first_point_ = 0, first_piece_ = 0, first_knot_ = 0;  // in ThreadTensions
 };
 

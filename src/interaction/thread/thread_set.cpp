@@ -169,9 +169,9 @@ void ThreadSet::act(Together& together, TouchedParticles& touched, const FindToo
       if (control.ends[t].hold != TipHold::anchored || !control.ends[t].anchor.particles.empty()) continue;
       const Vec3* const at = state.anchored[t] ? &state.position[t == 0 ? 0 : state.position.size() - 1] : nullptr;
       Tip& tip = tips_[row][t] = tip_of(control.ends[t], at, touched, find_tool);
-      outside[t] = {tip.place, tip.place + tip.way};
+      outside[t] = {tip.place, tip.place + tip.way, tip.tool.is_free};
     }
-    path(row).begin(touched, outside);
+    path(row).begin(touched, outside, steps_left_);
     path(row).put_segments(all);
   }
   for (const std::size_t row : together.rows) path(row).put_knots(all);
@@ -217,6 +217,19 @@ void ThreadSet::act(TouchedParticles& touched, const FindTool& find_tool) {
     if (auto* const rod = std::get_if<ThreadRod>(&thread.body)) act(*rod, thread.control, touched, find_tool);
   }
   for (Together& together : sewn_) act(together, touched, find_tool);
+}
+
+void ThreadSet::follow_needle(std::string_view needle, std::span<const std::pair<Anchor, Vec3>> passed,
+                              const ToolPose& pose) {
+  if (passed.empty()) return;
+  for (Moving& thread : threads_) {
+    auto* const path = std::get_if<ThreadPath>(&thread.body);
+    const Anchor& tail = thread.control.ends[1].anchor;
+    if (path == nullptr || thread.control.ends[1].hold != TipHold::anchored || tail.tool != needle) continue;
+    const Vec3 tip = pose.position + pose.orientation * tail.point;
+    for (const auto& [anchor, place] : passed) path->append(anchor, place, tip);
+  }
+  find_together();
 }
 
 void ThreadSet::accept() {

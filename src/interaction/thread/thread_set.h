@@ -8,7 +8,9 @@
 #include <phymul/state.h>
 
 #include <functional>
+#include <span>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -33,9 +35,12 @@ class ThreadSet {
   struct AtTool {
     const ToolPose *start = nullptr, *end = nullptr;
     ToolForce* force = nullptr;  ///< takes what the thread does
+    bool is_free = false;        ///< a needle that was let go: the thread does not pull it
   };
   using FindTool = std::function<AtTool(std::string_view name)>;
   void act(TouchedParticles& touched, const FindTool& find_tool);
+  /// What has passed the tail of a needle at a pose, in order, becomes passages of the threads joined to it there.
+  void follow_needle(std::string_view needle, std::span<const std::pair<Anchor, Vec3>> passed, const ToolPose& pose);
   void accept();  ///< the step counts; without it the next act() does it over
 
   /// Of a thread of the scene as it is now. Good until the next call of a function of this class.
