@@ -138,7 +138,7 @@ int add_capsule(Model& model, const Material& material, const Contains& contains
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     if (is_wall(model, model.cells[row])) walls[key(model.cells[row].particles)] = row;
   }
-  for (Facet& facet : facets_of_cells(model, std::vector<char>(model.rest.size(), 1))) {
+  for (Facet& facet : facets_of_cells(model, std::vector<char>(model.rest.size(), 1), OuterFaces(model))) {
     std::vector<Index>& ring = facet.particles;
     Vec3 centre = Vec3::Zero();
     for (const Index i : ring) centre += model.rest[i] / static_cast<double>(ring.size());
