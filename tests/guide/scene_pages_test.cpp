@@ -160,6 +160,13 @@ TEST(GuideThreads, SewAndHang) {
 
   stitch.tie(0, 3, 4);  // passages 0 and 3, with four throws
 
+  const phymul::Anchor front_wall = phymul::at_mean(sim.model().group("left/x1")),
+                       back_wall = phymul::at_mean(sim.model().group("right/x0"));
+  const auto clip = scene.add_clip("clip", {.gap = 1e-3, .holding = 0.5}, front_wall, back_wall);
+  ASSERT_TRUE(sim.advance(0.1).ok());
+  EXPECT_GT(sim.solver().thread_state(clip).tension.at(1), 0.0);
+  scene.remove_thread("clip");
+
   const auto thread = scene.add_thread({.length = 0.3, .segment = 3e-3}, start, direction);
   thread.hold(0, start);  // a node; call again to move it
   thread.join(phymul::ThreadTip::last, phymul::at_tool("driver"));
