@@ -36,7 +36,7 @@ struct SceneParts;    // state.h
 struct VolumeConstraint {
   std::vector<std::array<Index, 3>> triangles;  ///< indices of particles, counter-clockwise seen from outside
   double volume = 0.0;                          ///< m^3, of the fluid without pressure
-  std::string applied_to;                       ///< group, for messages; empty: the whole body
+  std::string applied_to{};                     ///< group, for messages; empty: the whole body
   std::string name{};                           ///< empty: "volume 1", "volume 2" and so on
   Fluid fluid{};
   std::uint64_t changes = 0;  ///< another number after each set_volume(); not to be set
@@ -80,7 +80,7 @@ class ToolHandle {
   /// distance and for a needle.
   void grasp(double distance) const;
   /// From the next step on the tool holds nothing. A needle is let go: it moves with the tissue around its shaft, as a
-  /// rigid body of no mass, until move_to() or teleport() takes it again. Its pose is then that of Solver::tool_pose().
+  /// rigid body of no mass at Solver::tool_pose(), until move_to() or teleport() takes it again: after a step, not before.
   void release() const;
 
   std::uint64_t id() const { return id_; }  ///< SceneTool::id

@@ -46,7 +46,10 @@ void KeptVolumes::follow(const Scene& scene) {
   for (std::size_t row = 0; row < scene.volume_constraints().size(); ++row) {
     const VolumeConstraint& kept = scene.volume_constraints()[row];
     const auto known = std::ranges::find(surfaces_, kept.name, [](const Surface& of) { return of.now.name; });
-    const bool stays = known != surfaces_.end() && known->triangles.size() == kept.triangles.size();
+    const auto same = [&](const std::array<Index, 3>& rows, const std::array<Index, 3>& particles) {
+      return std::ranges::equal(rows, particles, {}, [&](Index row_of) { return known->particles[row_of]; });
+    };
+    const bool stays = known != surfaces_.end() && std::ranges::equal(known->triangles, kept.triangles, same);
     Surface& surface = now.emplace_back(stays ? std::move(*known) : made(kept));
     surface.open = scene.is_open(row);
     surface.law = kept.fluid;
@@ -93,7 +96,10 @@ int KeptVolumes::act(TouchedParticles& touched) {
 
 void KeptVolumes::accept() {
   for (Surface& surface : surfaces_) {
-    if (surface.open) continue;
+    if (surface.open) {
+      surface.now.pressure = surface.now.pressure_before = 0.0;
+      continue;
+    }
     surface.now.volume = surface.next.volume;
     surface.now.pressure = surface.next.pressure;
     surface.now.pressure_before = surface.next.pressure_before;
@@ -129,11 +135,12 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   });
   surface.next.volume = s ? push.left(*s) : surface.now.volume;
   // What an opening sucks dry stays as flat as it is.
-  if (!s && surface.law.conductance > 0.0 && reached > 0.0) {
+  const bool dry = !s && surface.law.conductance > 0.0 && reached > 0.0 && push(0.0).volume < reached;
+  if (dry) {
     s = 0.0;
     surface.next.volume = reached / fluid_ratio(surface.law, 0.0).volume;
   }
-  surface.next.pressure = s ? push.pressure(*s) : 0.0;
+  surface.next.pressure = s && !dry ? push.pressure(*s) : 0.0;
   surface.next.pressure_before = push.now;
   // Where nothing is free to make up for it, what a backend in single precision rounds is not a loss; nor is what is no
   // number, whose particle is found out elsewhere.

@@ -85,7 +85,9 @@ void NeedlePath::couple_nodes(TouchedParticles& touched) {
     Coupled& node = coupled_[k];
     for (std::size_t j = 0; j < node.slots.size(); ++j) {
       const TouchedParticles::Touched& particle = touched[node.slots[j]];
-      if (particle.fixed != 7 && !particle.held) {
+      const bool rounds =
+          std::abs(state_.hole[k].weights[j]) < 1e-12;  // else it would decide whether the node can move
+      if (particle.fixed != 7 && !particle.held && !rounds) {
         share_of_[node.slots[j]] = state_.hole[k].weights[j] * particle.inverse_mass;
       }
     }

@@ -277,7 +277,9 @@ Scene& Scene::clear() {
   threads_.clear();
   gravity_.setZero();
   stiffness_factors_.clear();
+  tearing_.clear();
   volume_constraints_.clear();
+  open_volumes_.clear();
   contacts_.reset();
   ++version_;
   return *this;

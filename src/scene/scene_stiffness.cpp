@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "model/cell_geometry.h"
 
 namespace phymul {
 namespace {
@@ -39,6 +40,13 @@ std::size_t row_of(const Model& model, const Material& material, const std::stri
 void require_tearing(const Model& model, const Tearing& law) {
   if (model.dimension == 2 || model.materials.empty()) {
     throw Error("tear: expected a body in three dimensions with a material; use set_material first");
+  }
+  for (std::size_t row = 0; row < model.cells.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    const bool can_tear = !is_wall(model, cell) && (!is_volume(cell.type) || cell.type == CellType::tetrahedron);
+    if (can_tear || cell.material < 0) continue;
+    throw Error(ErrorCode::not_supported,
+                "tear: expected a body of tetrahedra without walls; " + cell_label(model, row) + " cannot tear");
   }
   for (const auto& [value, name] : {std::pair(law.toughness, "a toughness, J/m^2,"), {law.radius, "a radius, m,"}}) {
     if (value >= 0.0 && std::isfinite(value)) continue;
@@ -74,6 +82,7 @@ Scene& Scene::tear(const Material& material, const Tearing& law) {
   const std::size_t row = row_of(*model_, material, "tear");
   tearing_.resize(model_->materials.size());
   tearing_[row] = law;
+  if (std::ranges::all_of(tearing_, [](const Tearing& own) { return own.toughness == 0.0; })) tearing_.clear();
   return *this;
 }
 

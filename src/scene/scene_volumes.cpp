@@ -47,10 +47,10 @@ void require_closed(const VolumeConstraint& surface, const Model& model) {
   }
 }
 
-void require_volume(double volume, const std::string& label) {
+void require_volume(double volume, const std::string& label,
+                    const char* and_more = " and triangles counter-clockwise seen from outside") {
   if (volume > 0.0 && std::isfinite(volume)) return;
-  throw Error(label + "expected a volume above 0, in m^3, and triangles counter-clockwise seen from outside; got " +
-              to_decimal(volume));
+  throw Error(label + "expected a volume above 0, in m^3," + and_more + "; got " + to_decimal(volume));
 }
 
 void require_fluid(const Fluid& fluid, const std::string& label) {
@@ -158,7 +158,7 @@ VolumeConstraint& Scene::volume_named(std::string_view name) {
 
 Scene& Scene::set_volume(std::string_view name, double volume) {
   VolumeConstraint& own = volume_named(name);
-  require_volume(volume, "set_volume: ");
+  require_volume(volume, "set_volume: \"" + own.name + "\": ", "");
   own.volume = volume;
   own.changes = ++volume_changes_;
   ++version_;
@@ -167,7 +167,7 @@ Scene& Scene::set_volume(std::string_view name, double volume) {
 
 Scene& Scene::set_fluid(std::string_view name, Fluid fluid) {
   VolumeConstraint& own = volume_named(name);
-  require_fluid(fluid, "set_fluid: ");
+  require_fluid(fluid, "set_fluid: \"" + own.name + "\": ");
   own.fluid = std::move(fluid);
   ++version_;
   return *this;

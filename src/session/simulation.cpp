@@ -169,6 +169,11 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Dampin
   RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
   if (result.report.ok()) cut_with_blades(result.report);
+  if (result.report.ok()) tear(result.report);
+  if (result.report.torn > 0 && result.converged()) {  // of what was whole
+    result.status = RestStatus::step_limit;
+    result.report.at_rest = false;
+  }
   if (history) history->follow(solver(), result.report);
   return result;
 }

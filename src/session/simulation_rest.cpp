@@ -98,6 +98,8 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
     result.report.force_clamped |= before.force_clamped;
     result.report.springs_broken += before.springs_broken;
     result.report.tissue_gave_way += before.tissue_gave_way;
+    result.report.uncut += before.uncut;
+    result.report.torn += before.torn;
     steps += result.report.steps;
     if (result.status != RestStatus::step_limit || steps >= max_steps) break;
     solver().read(to);

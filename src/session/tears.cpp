@@ -64,6 +64,7 @@ void Tears::follow(const Model& model, const TopologyTextures& topology, const B
   model_ = &model;
   edit_ = &edit;
   scene_ = &scene;
+  laws_ = scene.tearing();
   surface_known_ = false;
   stress_.assign(topology.domains.size(), {});
   stressed_.clear();
@@ -304,10 +305,12 @@ void Tears::begin_near_grasps(const TopologyTextures& elastic, const State& now,
 /// By at most a row of cells along each front in a call, so that stresses follow before it goes on.
 void Simulation::Parts::tear(StepReport& report) {
   if (scene.tearing().empty()) return;
-  if (tears_version != scene.body_version() + 1) {
+  if (report.steps == 0) return;
+  if (tears_version != scene.body_version() + 1 || !tears.is_by(scene.tearing())) {
     tears.follow(model, *topology, body_edit(), scene);
     tears_version = scene.body_version() + 1;
   }
+  if (!tears.has_fronts() && scene.tools().empty()) return;
   const Tears::Found torn = tears.find(elastic(), solver().read());
   if (torn.empty()) return;
   if (solver().substeps() > 1) {

@@ -24,6 +24,9 @@ class Tears {
   /// The body as it is; model, edit and scene must outlive the next find().
   void follow(const Model& model, const TopologyTextures& topology, const BodyEdit& edit, const Scene& scene);
 
+  bool has_fronts() const { return !fronts_.empty(); }
+  bool is_by(const std::vector<Tearing>& laws) const { return laws_ == laws; }  ///< follow() saw these
+
   /// What tears now, at most one row of cells along each front. `elastic`: tables of the forces that `now` has.
   struct Found {
     std::vector<Index> cells{};                    ///< rows, ascending
@@ -60,6 +63,7 @@ class Tears {
   const Model* model_ = nullptr;
   const BodyEdit* edit_ = nullptr;
   const Scene* scene_ = nullptr;
+  std::vector<Tearing> laws_;  // Scene::tearing()
   std::vector<Front> fronts_;
   OuterFaces outer_;
   bool surface_known_ = false;

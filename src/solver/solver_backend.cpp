@@ -131,6 +131,12 @@ void SolverBackend::require_fitting(const State& state) const {
   require_tool_states(state, topology_->particle_count, scene_->tools());
   require_joint_states(state, scene_->joints());
   require_thread_states(state, scene_->threads());
+  for (const FluidState& fluid : state.fluids) {
+    const double pressures = fluid.pressure + fluid.pressure_before;
+    if (fluid.volume > 0.0 && std::isfinite(fluid.volume) && std::isfinite(pressures)) continue;
+    throw Error("Solver::reset: expected of the fluid \"" + fluid.name +
+                "\" a volume above 0 and finite pressures; the solver keeps its own");
+  }
 }
 
 void SolverBackend::require_supported() const {

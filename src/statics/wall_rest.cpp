@@ -69,7 +69,8 @@ class WallSearch {
       }
     }
     end.evaluations = evaluations_;
-    end.residual = tolerance * scale_ > floor_ ? residual_.norm() / scale_ : 0.0;
+    const bool is_rounding = end.at_rest && !(tolerance * scale_ > floor_);
+    end.residual = is_rounding ? 0.0 : residual_.norm() / std::max(scale_, floor_ / tolerance);
     for (Eigen::Index i = 0; i < residual_.size(); i += 3) {
       end.largest_force = std::max(end.largest_force, residual_.segment<3>(i).norm());
     }

@@ -46,6 +46,24 @@ TEST(Clip, ClosesToItsGapHoldsToItsForceThenSlipsAndComesOff) {
   EXPECT_GT(width(), 0.01);
 }
 
+/// Put on again it closes to its new gap.
+TEST(Clip, IsPutOnAgain) {
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
+  Scene scene(model);
+  scene.fix(std::vector<Index>{0});
+  scene.add({.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.1}}, .direction = {1, 0, 0}});
+  const ThreadHandle clip =
+      scene.add_clip("clip", {.gap = 4e-3, .holding = 0.5, .opening = 8e-3}, at_particle(0), at_particle(1));
+  const auto solver = loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
+  const auto width = [&] { return solver->read().position[1].x() - solver->read().position[0].x(); };
+  ASSERT_TRUE(solver->step(400, clip_dt).ok());
+  EXPECT_NEAR(width(), 4e-3, 1e-5);
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) clip.clamp(tip, 0.5, 2e-3);
+  ASSERT_TRUE(solver->step(400, clip_dt).ok());
+  ASSERT_TRUE(solver->step(400, clip_dt).ok());
+  EXPECT_NEAR(width(), 2e-3, 1e-5);
+}
+
 /// Both walls of a slit between two slabs; the snapshot, and a scene made of it, have the clip.
 TEST(Clip, ClosesTwoWallsAndIsTakenOff) {
   Wound wound({0.02, 0.02, 0.01}, 0.006);

@@ -199,6 +199,41 @@ TEST(Fluid, IsSetAddedAndTakenOutWhileItRuns) {
   }
 }
 
+/// A fluid of the same name in another bag of the same mesh.
+TEST(Fluid, IsInTheBagThatItIsPutIn) {
+  const Model one = wall_of(sphere_surface(0.02, 3), 10e3, 0.4, 1e-3), two = moved(one, {0.1, 0, 0});
+  const Model both = merge_models(std::vector<NamedBody>{{"one", &one}, {"two", &two}});
+  const auto bag = [&](double at) {
+    VolumeConstraint fluid;
+    fluid.name = "fluid";
+    for (const auto& t : surface_triangles(both)) {
+      if (std::abs(both.rest[t[0]].x() - at) < 0.05) fluid.triangles.push_back(t);
+    }
+    fluid.volume = 1.1 * enclosed_volume(fluid.triangles, both.rest);
+    return fluid;
+  };
+  Scene scene(both);
+  scene.constrain_volume(bag(0.0));
+  const auto solver = make_solver("reference", both, scene, {}, damped(50.0));
+  const double dt = 0.3 * solver->stable_step();
+  ASSERT_TRUE(solver->step(5, dt).ok());
+  scene.remove_volume("fluid");
+  scene.constrain_volume(bag(0.1));
+  ASSERT_TRUE(solver->step(5, dt).ok());
+  const VolumeConstraint second = bag(0.1);
+  EXPECT_NEAR(enclosed_volume(second.triangles, solver->read().position), second.volume, 1e-9 * second.volume);
+}
+
+TEST(Fluid, OfAStateIsHeldToBeOne) {
+  const Model model = cylinder();
+  Scene scene = piston_scene(model, filled(model, {}), 1.0);
+  const auto solver = make_solver("reference", model, scene, {}, damped(50.0));
+  ASSERT_TRUE(solver->step(1, 1e-4).ok());
+  State state = solver->read();
+  state.fluids.at(0).volume = std::nan("");
+  EXPECT_TRUE(refuses([&] { solver->reset(state); }, "fluid \"gas\"", "volume above 0"));
+}
+
 /// Thrown, turning, and out of shape.
 TEST(Fluid, GasInAFreeBagKeepsBothMomenta) {
   const Model model = wall_of(sphere_surface(0.02, 4), 10e3, 0.4, 1e-3);

@@ -214,6 +214,33 @@ TEST(Tear, RefusesWhatItCannotDo) {
   const Model plain = make_tetrahedral_block({0.01, 0.01, 0.01}, 3, 3, 3, 0.0, 1);
   Scene other(plain);
   EXPECT_TRUE(refuses([&] { other.tear({.toughness = 1.0}); }, "material"));
+  const Model lattice = with_material(make_block({0.01, 0.01, 0.01}, 2, 2, 2));
+  Scene of_lattice(lattice);
+  EXPECT_TRUE(refuses([&] { of_lattice.tear({.toughness = 1.0}); }, "tetrahedra", "HEXAHEDRON"));
+  scene.tear({.toughness = 1.0});
+  EXPECT_TRUE(scene.clear().tearing().empty());
+}
+
+/// Another radius or toughness counts from the next call on, and bringing a body to rest tears as steps do.
+TEST(Tear, FollowsAChangeOfTheLaw) {
+  Simulation sim = drawn_strip(0.006, 1, notch(0.018), {{0.0, 3.5e-3}});
+  sim.scene().tear({.toughness = toughness});
+  ASSERT_TRUE(sim.solve_static().converged());
+  EXPECT_EQ(sim.step(1, 1e-4).torn, 0);
+  const Snapshot whole = sim.snapshot();
+  sim.scene().tear({.toughness = 0.4 * toughness});
+  EXPECT_EQ(sim.step(0, 1e-4).torn, 0);
+  EXPECT_GT(sim.step(1, 1e-4).torn, 0);
+  sim.restore(whole);
+  sim.scene().tear({.toughness = toughness, .radius = 0.02});  // over all of the strip the mean is about the same
+  const int torn = sim.step(1, 1e-4).torn;
+  Simulation fresh = drawn_strip(0.006, 1, notch(0.018), {{0.0, 3.5e-3}});
+  fresh.scene().tear({.toughness = toughness, .radius = 0.02});
+  fresh.restore(whole);
+  EXPECT_EQ(fresh.step(1, 1e-4).torn, torn);
+  sim.restore(whole);
+  sim.scene().tear({.toughness = 0.4 * toughness});
+  EXPECT_GT(sim.run_to_rest(50).report.torn, 0);
 }
 
 using TearOn = OnEveryBackend;

@@ -21,6 +21,14 @@ ThreadPath::ThreadPath(const SceneThread& thread)
 }
 
 void ThreadPath::follow(const SceneThread& thread, std::span<const double> mass) {
+  for (const std::size_t tip : {0, 1}) {
+    const ThreadEnd &now = thread.control.ends[tip], &before = control_.ends[tip];
+    // ThreadState::anchored says of a clamp that it has closed.
+    if (now.hold != before.hold || now.gap != before.gap || now.holding != before.holding) {
+      if (known_) state_.anchored[tip] = false;
+    }
+  }
+  known_ = true;
   control_ = thread.control;
   for (std::size_t p = state_.passages.size(); p-- > 0;) {
     const Anchor& anchor = passages_[state_.passages[p]];

@@ -64,6 +64,7 @@ class ThreadPath {
   Thread thread_;
   double stretch_;
   std::vector<Anchor> passages_;
+  bool known_ = false;  // control_ is the scene's
   ThreadControl control_;
   ThreadState state_, next_;
   // Of the step. Points are 0 ... segments; passage p is point p + 1, between pieces p and p + 1.

@@ -113,7 +113,8 @@ void PmlReader::weigh_bodies() {
     }
     material.density = density;
     xml_.note(node, "a density of " + to_decimal(density) + " kg/m^3 follows from the masses and volumes of its cells");
-    row_of[row] = material_rows_.try_emplace({material.young, material.poisson, density, material.thickness}, row).first->second;
+    row_of[row] =
+        material_rows_.try_emplace({material.young, material.poisson, density, material.thickness}, row).first->second;
   }
   for (Cell& cell : model_.cells) {
     if (cell.material >= 0) cell.material = row_of[cell.material];

@@ -212,8 +212,9 @@ Index PmlReader::take_material(pugi::xml_node node, std::vector<Attribute>& attr
   std::erase_if(attributes, [](const Attribute& attribute) {
     return std::find(material_names.begin(), material_names.end(), attribute.name) != material_names.end();
   });
-  const auto [entry, is_new] = material_rows_.try_emplace({material.young, material.poisson, material.density, material.thickness},
-                                                          static_cast<Index>(model_.materials.size()));
+  const auto [entry, is_new] =
+      material_rows_.try_emplace({material.young, material.poisson, material.density, material.thickness},
+                                 static_cast<Index>(model_.materials.size()));
   if (is_new) model_.materials.push_back(material);
   return entry->second;
 }
