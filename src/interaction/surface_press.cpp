@@ -128,8 +128,10 @@ bool SurfacePress::is_before_one_face(const ShapeIn<double>& shape, const Corner
 }
 
 Vec3 SurfacePress::mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const {
-  Vec3 sum = share[0] * corners_[of.row[0]].*place;
-  for (std::size_t c = 1; c < of.rows().size(); ++c) sum += share[c] * corners_[of.row[c]].*place;
+  const auto part = [&](std::size_t c) { return share[c] * corners_[of.row[c]].*place; };
+  if (of.count == 3) return part(0) + part(1) + part(2);  // nearly all, unrolled
+  Vec3 sum = part(0);
+  for (std::size_t c = 1; c < of.rows().size(); ++c) sum += part(c);
   return sum;
 }
 

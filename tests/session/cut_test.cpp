@@ -104,7 +104,7 @@ void edit_at_random(int edits) {
     }
     if (edit % 7 == 0 && kept.size() < 20) kept.push_back(sim.snapshot());
     if (edit % 3 == 0) outer.follow(sim.model());
-    if (edit % (edits / 50) != 0) continue;
+    if (edit % (edits / 100) != 0) continue;
     outer.follow(sim.model());
     ASSERT_EQ(list_of(outer, sim.model()), list_of(OuterFaces(sim.model()), sim.model())) << edit;
     ASSERT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12) << edit;
