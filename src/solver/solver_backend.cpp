@@ -132,10 +132,8 @@ void SolverBackend::require_fitting(const State& state) const {
   require_joint_states(state, scene_->joints());
   require_thread_states(state, scene_->threads());
   for (const FluidState& fluid : state.fluids) {
-    const double pressures = fluid.pressure + fluid.pressure_before;
-    if (fluid.volume > 0.0 && std::isfinite(fluid.volume) && std::isfinite(pressures)) continue;
-    throw Error("Solver::reset: expected of the fluid \"" + fluid.name +
-                "\" a volume above 0 and finite pressures; the solver keeps its own");
+    if (fluid.volume > 0.0 && std::isfinite(fluid.volume + fluid.pressure + fluid.pressure_before)) continue;
+    throw Error("Solver::reset: expected a volume above 0 and finite pressures of fluid \"" + fluid.name + '"');
   }
 }
 
