@@ -228,6 +228,7 @@ Tears::Found Tears::find(const TopologyTextures& elastic, const State& now) {
         const double own = normal.dot(model_->rest[i] - front.place);
         if (const auto of_cut = known_distance(i, own, normal)) {
           found.distance[i] = *of_cut;
+          planes.erase(i);
           continue;
         }
         found.distance[i] += own;
