@@ -222,8 +222,8 @@ PHYMUL_API phymul_status phymul_step_limits(const phymul_simulation* sim, double
                                             double* taken);                                // s, that of phymul_advance
 PHYMUL_API phymul_status phymul_backend(phymul_simulation* sim, const char** name);
 PHYMUL_API phymul_status phymul_energy(const phymul_simulation* sim, double energy[3]);  // J: elastic, kinetic, gravity
-// [N][3] m, m/s (at the state's time) and N (elastic, of the materials as phymul_scale_stiffness left them), in memory of
-// the handle that the next call of the same function with it overwrites.
+// [N][3] m, m/s (at the state's time) and N (elastic, of the materials as phymul_scale_stiffness left them), in memory
+// of the handle that the next call of the same function with it overwrites.
 PHYMUL_API phymul_status phymul_positions(phymul_simulation* sim, const double** positions, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_velocities(phymul_simulation* sim, const double** velocities, int32_t* particle_count);
 PHYMUL_API phymul_status phymul_forces(phymul_simulation* sim, const double** forces, int32_t* particle_count);

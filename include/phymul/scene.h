@@ -80,7 +80,8 @@ class ToolHandle {
   /// distance and for a needle.
   void grasp(double distance) const;
   /// From the next step on the tool holds nothing. A needle is let go: it moves with the tissue around its shaft, as a
-  /// rigid body of no mass at Solver::tool_pose(), until move_to() or teleport() takes it again: after a step, not before.
+  /// rigid body of no mass at Solver::tool_pose(), until move_to() or teleport() takes it again: after a step, not
+  /// before.
   void release() const;
 
   std::uint64_t id() const { return id_; }  ///< SceneTool::id

@@ -50,9 +50,9 @@ struct StepReport {
   int springs_broken = 0;  ///< springs of joints that broke in this call
   /// Punctures in this call below Needle::puncture, because the tissue under the tip had reached its limit.
   int tissue_gave_way = 0;
-  /// Simulation: cells that blades have passed, or that should have torn, and that could not part, because they were cut
-  /// three times already, the spare particles (with_spare_particles) do not suffice, or SolverOptions::max_substeps is
-  /// above 1.
+  /// Simulation: cells that blades have passed, or that should have torn, and that could not part, because they were
+  /// cut three times already, the spare particles (with_spare_particles) do not suffice, or SolverOptions::max_substeps
+  /// is above 1.
   int uncut = 0;
   int torn = 0;            ///< Simulation: cells that tore at the end of this call (Scene::tear)
   bool stopped = false;    ///< SolverOptions::progress ended the call before its last step

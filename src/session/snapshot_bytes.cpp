@@ -155,8 +155,8 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   const bool fluids = !snapshot.state.fluids.empty();
   const bool needles = std::ranges::any_of(snapshot.state.tools, has_needle_fields);
   const bool sewn = std::ranges::any_of(snapshot.state.threads, [](const ThreadState& t) { return !t.sewn.empty(); });
-  const std::array<bool, 10> further{moved,   with_scene,    removed, !snapshot.cuts.empty(), blades,
-                                     threads, scene_threads, fluids,  needles,                sewn};
+  const std::array<bool, 10> further{
+      moved, with_scene, removed, !snapshot.cuts.empty(), blades, threads, scene_threads, fluids, needles, sewn};
   out.u64(snapshot.parts.size() + static_cast<std::size_t>(std::ranges::count(further, true)));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);

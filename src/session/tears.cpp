@@ -303,7 +303,7 @@ void Tears::begin_near_grasps(const TopologyTextures& elastic, const State& now,
   }
 }
 
-/// By at most a row of cells along each front in a call, so that stresses follow before it goes on.
+/// By at most a row of cells along each front in a call, so that stresses follow before the next row parts.
 void Simulation::Parts::tear(StepReport& report) {
   if (scene.tearing().empty()) return;
   if (report.steps == 0) return;
