@@ -13,8 +13,8 @@
 namespace phymul {
 
 /// The unbent shaft in the world: a coordinate along it, m from the tip, and the point of the shaft that is nearest to
-/// one of the world. Ahead of the tip and behind the tail the line or circle goes on, a circle up to the middle of what
-/// is left of it.
+/// one of the world. Its line or circle continues ahead of the tip and behind the tail: a circle on either side over
+/// half of what the shaft leaves of it.
 class ShaftLine {
  public:
   ShaftLine(const Needle& needle, const ToolPose& pose);

@@ -120,7 +120,7 @@ double height_of_tear(const Simulation& sim, std::size_t first_cut, double from,
   return sum / count;
 }
 
-/// From a notch at 45 degrees on: a tear goes on straight across the pull, and through.
+/// A tear that begins at a notch of 45 degrees turns straight across the pull, and parts the strip.
 TEST(Tear, TurnsAcrossThePull) {
   const double slope = 0.25 * 3.14159265358979;
   Simulation sim = drawn_strip(0.005, 1, notch(0.018, slope), {{0.0, 0.0}, {2.0, 0.02}});
