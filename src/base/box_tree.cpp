@@ -33,9 +33,10 @@ void BoxTree::halve(const VecList& places, const Shape& shape, Index first, Inde
   int axis = 0;
   box.sizes().maxCoeff(&axis);
   const Index middle = first + (end - first) / 2;
-  std::nth_element(items.begin() + first, items.begin() + middle, items.begin() + end, [&](Index a, Index b) {
-    return places[a][axis] != places[b][axis] ? places[a][axis] < places[b][axis] : a < b;
-  });
+  keys_.clear();  // beside each other, where places are not
+  for (Index k = first; k < end; ++k) keys_.emplace_back(places[items[k]][axis], items[k]);
+  std::ranges::nth_element(keys_, keys_.begin() + (middle - first));
+  for (Index k = first; k < end; ++k) items[k] = keys_[k - first].second;
   halve(places, shape, first, middle, halvings - 1);
   halve(places, shape, middle, end, halvings - 1);
 }

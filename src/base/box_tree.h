@@ -7,6 +7,7 @@
 
 #include <phymul/types.h>
 
+#include <utility>
 #include <vector>
 
 namespace phymul {
@@ -34,6 +35,8 @@ struct BoxTree {
  private:
   void add(const VecList& places, const Shape& shape, Index first, Index end);
   void halve(const VecList& places, const Shape& shape, Index first, Index end, int halvings);
+
+  std::vector<std::pair<double, Index>> keys_;
 };
 
 }  // namespace phymul

@@ -20,6 +20,7 @@ class UnionFind {
   }
   /// Whether they were apart. The smaller root stays.
   bool join(Index a, Index b) {
+    if (parent_[a] == parent_[b]) return false;
     a = root(a);
     b = root(b);
     parent_[std::max(a, b)] = std::min(a, b);

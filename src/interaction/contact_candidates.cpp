@@ -17,7 +17,7 @@ constexpr double thin = 1e-4, of_nearest = 1e-8;
 
 /// Kept lists, in mean edges of the surface: the least slack and the most. Where nothing touches even the most finds
 /// next to nothing, as neighbours within two edges are left out.
-constexpr double least_slack = 0.25, most_slack = 0.75;
+constexpr double least_slack = 0.25, most_slack = 0.5;
 
 /// Steps that a search is to last, and those that it must last to be worth more slack than none.
 constexpr double wanted_steps = 8.0, least_steps = 2.0;
@@ -29,12 +29,6 @@ constexpr int tight_searches = 16;
 /// Beside a body of far longer edges slack goes by those of the finer one, or its particles would have lists of the
 /// coarse one from afar.
 constexpr double most_coarse = 2.0;
-
-/// Items of its own skin that are remembered for a particle: some 50 in a lattice.
-constexpr std::size_t most_skin = 96;
-
-/// They pay after some searches. Where a blade cuts, a surface is replaced before.
-constexpr std::size_t searches_of_lasting = 3;
 
 /// Further out nothing can be told apart: squares of lengths are no numbers any more.
 constexpr double furthest_place = 1e150;  // m
@@ -59,6 +53,26 @@ double distance(const Box& one, const Box& other) {
   return sum;
 }
 
+template <class Motion>
+void join(Motion& motion, const Motion& other) {
+  add(motion.shift, other.shift.low, other.shift.high);
+  motion.least_edge = std::min(motion.least_edge, other.least_edge);
+  motion.cover = std::max(motion.cover, other.cover);
+  motion.of_cut = motion.of_cut || other.of_cut;
+}
+
+/// m: what may touch of one body is no nearer. What is no skin is at rest further than `skin_factor` edges from each
+/// corner; from the nearest point of the triangle, which is at a right angle to the way there, by Pythagoras.
+template <class Motion>
+double least_apart(const Motion& particles, const Motion& triangles) {
+  if (particles.of_cut && triangles.of_cut) return 0.0;
+  const double skin = ContactSurface::skin_factor * std::max(particles.least_edge, triangles.least_edge);
+  const double at_rest = skin * skin - triangles.cover * triangles.cover;
+  if (!(at_rest > 0.0)) return 0.0;
+  const Vec3 shift = (particles.shift.high - triangles.shift.low).cwiseMax(triangles.shift.high - particles.shift.low);
+  return (1.0 - of_length) * std::sqrt(at_rest) - (1.0 + of_length) * shift.norm();
+}
+
 /// m: the mean edge of all particles, but no more than twice that of the finest body.
 double edge_for_slack(const ContactSurface& surface, std::size_t bodies) {
   std::vector<double> sum(bodies, 0.0), count(bodies, 0.0);
@@ -77,7 +91,6 @@ double edge_for_slack(const ContactSurface& surface, std::size_t bodies) {
 }  // namespace
 
 void ContactCandidates::follow(const ContactSurface& surface, const ContactOptions& options) {
-  const bool lasts = surface_ == nullptr || searches_ >= searches_of_lasting;
   surface_ = &surface;
   change(options);
   searches_ = 0;
@@ -92,7 +105,9 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
     Cluster cluster{static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.end),
                     body[particles_.items[node.first]]};
     for (std::size_t k = cluster.first; k < cluster.end; ++k) {
-      cluster.edge = std::max(cluster.edge, surface.particles[particles_.items[k]].edge);
+      const ContactSurface::Particle& own = surface.particles[particles_.items[k]];
+      cluster.edge = std::max(cluster.edge, own.edge);
+      join(cluster.motion, {.least_edge = own.edge, .of_cut = own.of_cut});
     }
     clusters_.push_back(cluster);
   }
@@ -107,9 +122,22 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
   triangles_ = BoxTree(middle, body, bodies);
   item_edge_.clear();
   for (const Index t : triangles_.items) item_edge_.push_back(surface.triangles[t].edge);
+  item_motion_.clear();
+  for (const Index t : triangles_.items) {
+    const ContactSurface::Triangle& triangle = surface.triangles[t];
+    double side = 0.0;  // m2, the longest: its corners cover all within side / sqrt(3)
+    for (int c = 0; c < 3; ++c) {
+      side =
+          std::max(side, (surface.rest[triangle.corner[c]] - surface.rest[triangle.corner[(c + 1) % 3]]).squaredNorm());
+    }
+    item_motion_.push_back({.least_edge = triangle.edge, .cover = std::sqrt(side / 3.0), .of_cut = triangle.of_cut});
+  }
   node_edge_.clear();
+  node_motion_.clear();
   for (const BoxTree::Node& node : triangles_.nodes) {
     node_edge_.push_back(*std::max_element(item_edge_.begin() + node.first, item_edge_.begin() + node.end));
+    Motion& motion = node_motion_.emplace_back();
+    for (Index item = node.first; item < node.end; ++item) join(motion, item_motion_[item]);
   }
   item_box_.resize(triangles_.items.size());
   node_box_.resize(triangles_.nodes.size());
@@ -119,34 +147,12 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
   near_.reserve(triangles_.items.size());
   then_.reserve(surface.particles.size());
   kept_.reserve(surface.particles.size());
-  skin_.clear();
-  skin_first_.assign(surface.particles.size() + 1, 0);
-  if (lasts) find_skins();
 }
 
 void ContactCandidates::change(const ContactOptions& options) {
   options_ = options;
   complete_ = false;
   tight_searches_ = 0;
-}
-
-void ContactCandidates::find_skins() {
-  measure(surface_->rest);
-  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_search_[k] = ContactSurface::skin_factor * item_edge_[k];
-  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_search_[k] = ContactSurface::skin_factor * node_edge_[k];
-  skin_.clear();
-  skin_first_.assign(1, 0);
-  for (std::size_t k = 0; k < surface_->particles.size(); ++k) {
-    const ContactSurface::Particle& own = surface_->particles[k];
-    const Box here{surface_->rest[k], surface_->rest[k]};
-    visit_items(here, static_cast<std::size_t>(own.body), ContactSurface::skin_factor * own.edge, [&](Index item) {
-      const ContactSurface::Triangle& triangle = surface_->triangles[triangles_.items[item]];
-      if (skin_.size() < skin_first_.back() + most_skin && surface_->is_own_skin(own, k, triangle)) {
-        skin_.push_back(item);
-      }
-    });
-    skin_first_.push_back(skin_.size());
-  }
 }
 
 /// Not where a place is not finite, now or then.
@@ -184,37 +190,85 @@ void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
 
 /// Boxes around clusters and triangles. Whether all places are numbers, and no triangle is lost.
 bool ContactCandidates::measure(std::span<const Vec3> place) {
+  find_shifts(place);
   for (Cluster& cluster : clusters_) {
-    cluster.box = {};
+    cluster.box = cluster.motion.shift = {};
     for (std::size_t k = cluster.first; k < cluster.end; ++k) {
-      const Vec3& x = place[particles_.items[k]];
+      const Vec3 &x = place[particles_.items[k]], &shift = shift_[particles_.items[k]];
       add(cluster.box, x, x);
+      add(cluster.motion.shift, shift, shift);
     }
   }
   double widest = 0.0;
   for (std::size_t item = 0; item < item_box_.size(); ++item) {
     Box& box = item_box_[item];
     box = {};
-    for (const Index c : surface_->triangles[triangles_.items[item]].corner) add(box, place[c], place[c]);
+    Box& shift = item_motion_[item].shift = {};
+    for (const Index c : surface_->triangles[triangles_.items[item]].corner) {
+      add(box, place[c], place[c]);
+      add(shift, shift_[c], shift_[c]);
+    }
     const double more = of_places * std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
-    box.low.array() -= more;
-    box.high.array() += more;
+    for (Box* const own : {&box, &shift}) {
+      own->low.array() -= more;
+      own->high.array() += more;
+    }
     widest = std::max(widest, (box.high - box.low).maxCoeff());
   }
   lost_ = !(widest < furthest_place);                     // a runaway particle, found out elsewhere
   for (std::size_t own = node_box_.size(); own-- > 0;) {  // children stand behind their parents
     const BoxTree::Node& node = triangles_.nodes[own];
-    Box& box = node_box_[own];
-    box = {};
+    Box &box = node_box_[own], &shift = node_motion_[own].shift;
+    box = shift = {};
+    const auto join = [&](const Box& inner, const Motion& motion) {
+      add(box, inner.low, inner.high);
+      add(shift, motion.shift.low, motion.shift.high);
+    };
     if (node.is_leaf) {
-      for (Index item = node.first; item < node.end; ++item) add(box, item_box_[item].low, item_box_[item].high);
+      for (Index item = node.first; item < node.end; ++item) join(item_box_[item], item_motion_[item]);
     } else {
       for (auto child = static_cast<Index>(own) + 1; child < node.next; child = triangles_.nodes[child].next) {
-        add(box, node_box_[child].low, node_box_[child].high);
+        join(node_box_[child], node_motion_[child]);
       }
     }
   }
   return !lost_ && std::ranges::all_of(place, [](const Vec3& x) { return x.allFinite(); });
+}
+
+/// Any rotation is right; that of its body makes what a particle moves besides small.
+void ContactCandidates::find_shifts(std::span<const Vec3> place) {
+  struct Sums {
+    Mat3 product = Mat3::Zero();
+    Vec3 place = Vec3::Zero(), rest = Vec3::Zero();
+    double count = 0.0;
+    Mat3 rotation = Mat3::Identity();
+  };
+  const std::size_t bodies = triangles_.groups.size() - 1;
+  std::vector<Sums> of(bodies);
+  const VecList& rest = surface_->rest;
+  const auto each = [&](auto visit) {
+    for (std::size_t k = 0; k < place.size(); ++k) visit(k, of[surface_->particles[k].body]);
+  };
+  each([&](std::size_t k, Sums& sums) {
+    sums.place += place[k];
+    sums.rest += rest[k];
+    sums.count += 1.0;
+  });
+  each([&](std::size_t k, Sums& sums) {
+    sums.product += (place[k] - sums.place / sums.count) * (rest[k] - sums.rest / sums.count).transpose();
+  });
+  for (Sums& sums : of) {
+    if (!sums.product.allFinite()) continue;
+    const Eigen::JacobiSVD<Mat3> svd(sums.product, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    sums.rotation = svd.matrixU() * svd.matrixV().transpose();
+  }
+  shift_.resize(place.size());
+  each([&](std::size_t k, const Sums& sums) { shift_[k] = place[k] - sums.rotation * rest[k]; });
+}
+
+ContactCandidates::Motion ContactCandidates::motion_of(std::size_t particle) const {
+  const ContactSurface::Particle& own = surface_->particles[particle];
+  return {.shift = {shift_[particle], shift_[particle]}, .least_edge = own.edge, .of_cut = own.of_cut};
 }
 
 /// Beyond this, m, what has these edges, on the longer side, touches nothing in any step for which the search holds.
@@ -223,24 +277,25 @@ double ContactCandidates::search_distance(double edge) const {
   return (1.0 + of_length) * (std::max(margin_ + skins, ContactSurface::depth_factor * edge) + slack_);
 }
 
-/// Calls visit(item) for the triangles of a body that are within `distance_limit` of a box, or what their own edges
-/// say.
+/// Calls visit(item) for the triangles of a body that may be within `distance_limit` of a box, or what their own edges
+/// say. `own`: of the particles in the box where it is their body; null: another one.
 template <class Visit>
-void ContactCandidates::visit_items(const Box& box, std::size_t body, double distance_limit, Visit visit) const {
-  const auto near = [&](const Box& other, double own) {
-    const double far = std::max(distance_limit, own);
-    return !(distance(box, other) > far * far);
+void ContactCandidates::visit_items(const Box& box, const Motion* own, std::size_t body, double distance_limit,
+                                    Visit visit) const {
+  const auto near = [&](const Box& other, const Motion& motion, double by_edge) {
+    const double far = std::max(distance_limit, by_edge);
+    return !(distance(box, other) > far * far) && (own == nullptr || !(least_apart(*own, motion) > far));
   };
   const Index end = triangles_.groups[body + 1];
   for (Index at = triangles_.groups[body]; at < end;) {
     const BoxTree::Node& node = triangles_.nodes[at];
-    if (!near(node_box_[at], node_search_[at])) {
+    if (!near(node_box_[at], node_motion_[at], node_search_[at])) {
       at = node.next;
       continue;
     }
     if (node.is_leaf) {
       for (Index item = node.first; item < node.end; ++item) {
-        if (near(item_box_[item], item_search_[item])) visit(item);
+        if (near(item_box_[item], item_motion_[item], item_search_[item])) visit(item);
       }
     }
     ++at;
@@ -249,8 +304,10 @@ void ContactCandidates::visit_items(const Box& box, std::size_t body, double dis
 
 bool ContactCandidates::meet(const Cluster& cluster, std::size_t body) {
   met_.clear();
-  if (lost_ || (!options_.self && cluster.body == static_cast<Index>(body))) return false;
-  visit_items(cluster.box, body, search_distance(cluster.edge), [&](Index item) { met_.push_back(item); });
+  const bool itself = cluster.body == static_cast<Index>(body);
+  if (lost_ || (!options_.self && itself)) return false;
+  visit_items(cluster.box, itself ? &cluster.motion : nullptr, body, search_distance(cluster.edge),
+              [&](Index item) { met_.push_back(item); });
   return !met_.empty();
 }
 
@@ -274,32 +331,23 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   const ContactSurface::Particle& own = surface_->particles[particle];
   const Box here{x, x};
   const double usual = search_distance(own.edge);
-  const bool itself = own.body == static_cast<Index>(body);
-  const Index* const end = skin_.data() + (itself ? skin_first_[particle + 1] : 0);
-  const Index* skin = skin_.data() + (itself ? skin_first_[particle] : 0);
-  const auto is_skin = [&](Index item) {  // items come ascending
-    while (skin != end && *skin < item) ++skin;
-    return skin != end && *skin == item;
-  };
   const auto triangle_of = [&](Index item) -> const ContactSurface::Triangle& {
     return surface_->triangles[triangles_.items[item]];
   };
   double furthest = 0.0;
   for (const Index item : met_) {
-    if (is_skin(item)) continue;
     const double distance_limit = std::max(item_search_[item], usual);
-    if (distance_limit <= furthest || least_distance(x, item, distance_limit) == HUGE_VAL) continue;
-    if (!surface_->is_own_skin(own, particle, triangle_of(item))) furthest = distance_limit;
+    if (distance_limit <= furthest || surface_->is_own_skin(own, particle, triangle_of(item))) continue;
+    if (least_distance(x, item, distance_limit) != HUGE_VAL) furthest = distance_limit;
   }
   if (furthest == 0.0) return false;
   furthest += (1.0 + of_length) * ContactSurface::facing_share * surface_->longest_edge;
   near_.clear();
-  skin = skin_.data() + (itself ? skin_first_[particle] : 0);
-  visit_items(here, body, furthest, [&](Index item) {
-    if (is_skin(item)) return;
+  const Motion motion = motion_of(particle);
+  visit_items(here, own.body == static_cast<Index>(body) ? &motion : nullptr, body, furthest, [&](Index item) {
+    if (surface_->is_own_skin(own, particle, triangle_of(item))) return;
     const double least = least_distance(x, item, furthest);
-    if (least == HUGE_VAL || surface_->is_own_skin(own, particle, triangle_of(item))) return;
-    near_.push_back({triangles_.items[item], least});
+    if (least != HUGE_VAL) near_.push_back({triangles_.items[item], least});
   });
   std::ranges::sort(near_, {}, &Near::least);
   return true;

@@ -9,6 +9,9 @@
 // whatever moves together. A pair counts in a step with `margin` where it is no further apart than
 //   L(margin) = max(margin + its skins, how deep inside is inside).
 // It was no further than L(margin) + diagonal apart then, and what was no further than L(margin then) + slack is kept.
+//
+// Why a search looks at little of a particle's own body: but for the faces of cuts, what may touch it there was further
+// than its skin at rest. It still is where both have hardly moved against each other but for a rotation of the body.
 #pragma once
 
 #include <phymul/scene.h>
@@ -73,11 +76,19 @@ class ContactCandidates {
   struct Box {  // empty unless something is added
     Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL);
   };
+  /// What it takes to see that particles and triangles of one body are apart by more than their skins at rest.
+  struct Motion {
+    Box shift{};                   // m, displacements but for the body's rotation
+    double least_edge = HUGE_VAL;  // m
+    double cover = 0.0;            // m: no point of a triangle is further from all its corners
+    bool of_cut = false;           // some are
+  };
   struct Cluster {                   // particles of a body that are near each other at rest
     std::size_t first = 0, end = 0;  // items of particles_
     Index body = -1;
     double edge = 0.0;  // m, the longest
     Box box{};
+    Motion motion{};
   };
   struct Kept {
     std::size_t particle = 0, first = 0, count = 0;
@@ -86,14 +97,15 @@ class ContactCandidates {
   bool hold(std::span<const Vec3> place, double margin);
   void begin(std::span<const Vec3> place, double margin);
   bool measure(std::span<const Vec3> place);
-  void find_skins();
+  void find_shifts(std::span<const Vec3> place);
+  Motion motion_of(std::size_t particle) const;
   bool meet(const Cluster& cluster, std::size_t body);
   double least_distance(const Vec3& x, Index item, double distance_limit) const;
   bool gather(std::size_t particle, const Vec3& x, std::size_t body);
   std::span<const Near> keep(std::size_t particle);
   double search_distance(double edge) const;
   template <class Visit>
-  void visit_items(const Box& box, std::size_t body, double distance_limit, Visit visit) const;
+  void visit_items(const Box& box, const Motion* own, std::size_t body, double distance_limit, Visit visit) const;
 
   const ContactSurface* surface_ = nullptr;
   ContactOptions options_;
@@ -102,10 +114,6 @@ class ContactCandidates {
   std::vector<Cluster> clusters_;
   std::vector<double> node_edge_;  // [nodes of triangles_] m, the longest
   std::vector<double> item_edge_;  // [items of triangles_] m
-  /// Of each particle items of its own skin, ascending: most of what is near it. At most `most_skin`; others are asked,
-  /// and all are where the surface before this one did not last.
-  std::vector<Index> skin_;
-  std::vector<std::size_t> skin_first_;  // [particles + 1]
   std::size_t searches_ = 0;
 
   // Of the last search.
@@ -119,6 +127,8 @@ class ContactCandidates {
   std::vector<Kept> kept_;
   std::vector<Near> listed_;
   std::vector<Box> node_box_, item_box_;           // of triangles_; a little more than rounding makes of a distance
+  std::vector<Motion> node_motion_, item_motion_;  // of triangles_
+  VecList shift_;                                  // [particles] m, displacements but for their body's rotation
   std::vector<double> node_search_, item_search_;  // m, by their edges
   std::vector<Index> met_;                         // items that the cluster in question meets
   std::vector<Near> near_;                         // of the particle in question

@@ -75,11 +75,13 @@ class SurfaceBuilder {
                                     .body = body,
                                     .edge = edge,
                                     .has_inside = true,
-                                    .of_cut = of_cut});
+                                    .of_cut = of_cut,
+                                    .normal = of_cut ? area.normalized() : Vec3(Vec3::Zero())});
     }
     for (std::size_t k = first; k < edges.size(); ++k) {
-      surface_.particles[k].edge /= std::max(edges[k], 1);
-      if (on_both[k] != 0) surface_.particles[k].normal.setZero();
+      ContactSurface::Particle& own = surface_.particles[k];
+      own.edge /= std::max(edges[k], 1);
+      own.normal = on_both[k] != 0 ? Vec3(Vec3::Zero()) : own.normal.normalized();
     }
   }
 
@@ -235,23 +237,21 @@ bool ContactSurface::are_lips(const Particle& particle, std::size_t particle_row
   constexpr double facing = -0.5;  // cosine
   constexpr double behind = 0.05;  // of an edge
   if (!particle.of_cut || !triangle.of_cut) return false;
-  const Vec3 &a = rest[triangle.corner[0]], &b = rest[triangle.corner[1]], &c = rest[triangle.corner[2]];
-  const Vec3 normal = (b - a).cross(c - a).normalized();
-  if (!(particle.normal.dot(normal) < facing * particle.normal.norm())) return false;
-  return normal.dot(rest[particle_row] - a) >= -behind * triangle.edge;
+  return particle.normal.dot(triangle.normal) < facing &&
+         triangle.normal.dot(rest[particle_row] - rest[triangle.corner[0]]) >= -behind * triangle.edge;
 }
 
 bool ContactSurface::is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
-  // The rim of a cut lies on the outer triangles across it, and would be held there by them.
-  constexpr double on_it = 1e-6;  // of an edge
-  if (particle.of_cut && !triangle.of_cut && are_cut(particle, triangle) &&
-      distance_at_rest(particle_row, triangle) <= on_it * triangle.edge) {
+  const double near = skin_factor * std::max(particle.edge, triangle.edge);
+  const auto is_near = [&](Index corner) { return (rest[corner] - rest[particle_row]).squaredNorm() <= near * near; };
+  if (particle.body == triangle.body && std::ranges::any_of(triangle.corner, is_near) &&
+      !are_lips(particle, particle_row, triangle)) {
     return true;
   }
-  if (particle.body != triangle.body || are_lips(particle, particle_row, triangle)) return false;
-  const double near = skin_factor * std::max(particle.edge, triangle.edge);
-  return std::any_of(triangle.corner.begin(), triangle.corner.end(),
-                     [&](Index corner) { return (rest[corner] - rest[particle_row]).squaredNorm() <= near * near; });
+  // The rim of a cut lies on the outer triangles across it, and would be held there by them.
+  constexpr double on_it = 1e-6;  // of an edge
+  return particle.of_cut && !triangle.of_cut && are_cut(particle, triangle) &&
+         distance_at_rest(particle_row, triangle) <= on_it * triangle.edge;
 }
 
 }  // namespace phymul

@@ -26,7 +26,7 @@ struct ContactSurface {
     /// that are far lighter than the others, which would be flung where the point hardly moves.
     std::array<double, 4> shares{1.0};
     bool of_cut = false;   ///< on a face of a cut
-    Vec3 normal{0, 0, 0};  ///< at rest, of the faces of cuts that it is on, their mean; not of unit length
+    Vec3 normal{0, 0, 0};  ///< at rest, of the faces of cuts that it is on, their mean; 0 where a cut ends
   };
   struct Triangle {
     std::array<Index, 3> corner{};  ///< rows of `particles`
@@ -34,6 +34,7 @@ struct ContactSurface {
     double edge = 0.0;        ///< m, the longest
     bool has_inside = false;  ///< of a body of volume cells; counter-clockwise seen from outside then
     bool of_cut = false;      ///< on a face of a cut
+    Vec3 normal{0, 0, 0};     ///< at rest, where it is on a face of a cut
   };
   std::vector<Particle> particles;
   std::vector<Triangle> triangles;

@@ -2,6 +2,7 @@
 #include "tears.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,25 @@ constexpr double sharpest_turn = 1.0 / 3.0;
 
 /// Cosine of the angle below which two cuts are one that bends.
 constexpr double same_way = 0.5;
+
+/// Domains within `radius`, m, of a box, at rest.
+std::vector<Index> domains_near(const TopologyTextures& elastic, const Eigen::AlignedBox3d& box, double radius) {
+  std::vector<Index> found;
+  for (Index d = 0; d < static_cast<Index>(elastic.domains.size()); ++d) {
+    const DomainTexel& domain = elastic.domains[d];
+    if (domain.link_count > 0 && box.exteriorDistance(elastic.rest[domain.particle]) < radius) found.push_back(d);
+  }
+  return found;
+}
+
+std::vector<Index> domains_around(const TopologyTextures& elastic, std::span<const Index> among, const Vec3& place,
+                                  double radius) {
+  std::vector<Index> found;
+  for (const Index d : among) {
+    if ((elastic.rest[elastic.domains[d].particle] - place).norm() < radius) found.push_back(d);
+  }
+  return found;
+}
 
 /// Gradient, at rest, of a function that is linear in the cell.
 Vec3 gradient_of(const CellCut& values, const Cell& cell, const VecList& rest) {
@@ -55,7 +75,10 @@ bool is_cut_at(const Cell& cell, const std::array<Index, 3>& face) {
 }  // namespace
 
 double Tears::radius_at(Index cell) const {
-  const Tearing& law = scene_->tearing()[model_->cells[cell].material];
+  return radius_of(scene_->tearing()[model_->cells[cell].material]);
+}
+
+double Tears::radius_of(const Tearing& law) const {
   return law.radius > 0.0 ? std::max(law.radius, least_radius_of_tear * edit_->spacing())
                           : usual_radius_of_tear * edit_->spacing();
 }
@@ -72,7 +95,12 @@ void Tears::follow(const Model& model, const TopologyTextures& topology, const B
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     if (!model.cells[row].cuts.empty() && model.cells[row].share > 0.0) look_behind(row);
   }
-  for (Front& front : fronts_) front.around = domains_around(topology, front.place, radius_at(front.cell));
+  Eigen::AlignedBox3d box;
+  for (const Front& front : fronts_) box.extend(front.place);
+  widest_ = 0.0;
+  for (const Tearing& law : laws_) widest_ = std::max(widest_, radius_of(law));
+  const std::vector<Index> near = domains_near(topology, box, widest_);
+  for (Front& front : fronts_) front.around = domains_around(topology, near, front.place, radius_at(front.cell));
 }
 
 /// The two parts of a cell have a face in common where the cut that parts them ends there.
@@ -164,15 +192,6 @@ Tears::Pull Tears::pull_at(const TopologyTextures& elastic, const State& now, co
   pull.excess = principal.eigenvalues()[2] /
                 (of_intensity * std::sqrt(law.toughness * young / ((1.0 - own.poisson * own.poisson) * radius)));
   return pull;
-}
-
-std::vector<Index> Tears::domains_around(const TopologyTextures& elastic, const Vec3& place, double radius) const {
-  std::vector<Index> found;
-  for (Index d = 0; d < static_cast<Index>(elastic.domains.size()); ++d) {
-    const DomainTexel& domain = elastic.domains[d];
-    if (domain.link_count > 0 && (elastic.rest[domain.particle] - place).norm() < radius) found.push_back(d);
-  }
-  return found;
 }
 
 /// m: what a cut that goes about the same way has given the particle, if that is within a spacing of `own`.
@@ -276,6 +295,9 @@ void Tears::begin_near_grasps(const TopologyTextures& elastic, const State& now,
   if (held.empty()) return;
   if (!surface_known_) find_surface();
   std::ranges::sort(held);
+  Eigen::AlignedBox3d box;
+  for (const Index k : held) box.extend(model_->rest[k]);
+  const std::vector<Index> near = domains_near(elastic, box, 2.0 * widest_);
   Pull most{.excess = 1.0};
   Index at = -1;
   for (const Index i : surface_) {
@@ -288,7 +310,7 @@ void Tears::begin_near_grasps(const TopologyTextures& elastic, const State& now,
       continue;
     }
     const Pull pull =
-        pull_at(elastic, now, model_->rest[i], cell, radius, domains_around(elastic, model_->rest[i], radius));
+        pull_at(elastic, now, model_->rest[i], cell, radius, domains_around(elastic, near, model_->rest[i], radius));
     if (!(pull.excess > most.excess)) continue;
     most = pull;
     at = i;

@@ -54,16 +54,17 @@ class Tears {
   const Mat3& stress_of(Index d, const TopologyTextures& elastic, const State& now);
   Pull pull_at(const TopologyTextures& elastic, const State& now, const Vec3& place, Index cell, double radius,
                std::span<const Index> around);
-  std::vector<Index> domains_around(const TopologyTextures& elastic, const Vec3& place, double radius) const;
   std::optional<double> known_distance(Index particle, double own, const Vec3& normal) const;
   void find_surface();
   void begin_near_grasps(const TopologyTextures& elastic, const State& now, Found& found);
   double radius_at(Index cell) const;  // m, of means
+  double radius_of(const Tearing& law) const;
 
   const Model* model_ = nullptr;
   const BodyEdit* edit_ = nullptr;
   const Scene* scene_ = nullptr;
   std::vector<Tearing> laws_;  // Scene::tearing()
+  double widest_ = 0.0;        // m, radius_of() any of these
   std::vector<Front> fronts_;
   OuterFaces outer_;
   bool surface_known_ = false;

@@ -4,6 +4,10 @@
 // every step.
 #include <gtest/gtest.h>
 
+#include <phymul/body.h>
+#include <phymul/shapes.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -94,6 +98,38 @@ TEST(ContactCandidates, MissNothingWhileTheyAreKept) {
     EXPECT_GT(counting, 3000u);
     EXPECT_LT(candidates.searches(), steps * 2 / 3);  // kept for some time
   }
+}
+
+/// A bar with a cut is turned and rolled up until its ends meet: what nears there, and the faces of the cut, are in no
+/// skin, whatever has moved little against each other.
+TEST(ContactCandidates, MissNothingOfABodyThatIsCutAndRolledUp) {
+  constexpr double length = 0.12;  // m
+  Model bar = make_tetrahedral_block({0.02, 0.02, length}, 4, 4, 24, 0.1, 3);
+  set_material(bar, {1e4, 0.3, 1000.0});
+  CutSurface cut = cut_plane({0.01, 0.01, 0.041}, {0.1, 0.15, 1.0});
+  cut.front = [](const Vec3& x) { return x.x() - 0.012; };
+  const ContactSurface surface = make_contact_surface(cut_body(bar, cut));
+  std::mt19937 bits(5);
+  ContactCandidates candidates;
+  candidates.follow(surface, {});
+  std::size_t lips = 0, ends = 0;
+  constexpr int steps = 60;
+  for (int step = 0; step <= steps; ++step) {
+    const double angle = 6.2 * step / steps, radius = length / std::max(angle, 1e-9);
+    const Mat3 turn = Eigen::AngleAxisd(0.05 * step, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    VecList place;
+    for (const Vec3& x : surface.rest) {
+      const double at = x.z() / radius, off = radius + x.x() - 0.01;
+      place.push_back(turn * Vec3(off * std::cos(at) - radius, x.y(), off * std::sin(at)) +
+                      1e-5 * random_vector(bits, 3));
+    }
+    const Pairs wanted = pairs_that_count(surface, place, {}, 1e-5);
+    const Pairs listed = pairs_listed(candidates, place, 1e-5);
+    ASSERT_TRUE(std::ranges::includes(listed, wanted)) << step;
+    for (const auto& [k, t] : wanted) ++(surface.particles[k].of_cut ? lips : ends);
+  }
+  EXPECT_GT(lips, 1000u);
+  EXPECT_GT(ends, 100u);
 }
 
 /// What is not finite touches nothing, hides nothing, and is forgotten with the next state.
