@@ -160,6 +160,8 @@ void BodyEdit::follow(std::vector<Index> domains, std::vector<Index> particles) 
     if (family != copies_.end()) particles.insert(particles.end(), family->second.begin(), family->second.end());
   }
   sort_unique(particles);
+  std::vector<double> mass_before;
+  for (const Index i : particles) mass_before.push_back(model_.mass[i]);
   for (const Index i : particles) {
     const auto family = copies_.find(first_of_[i]);
     if (family == copies_.end()) {
@@ -174,6 +176,10 @@ void BodyEdit::follow(std::vector<Index> domains, std::vector<Index> particles) 
   const double beyond = topology_.cuts.empty() ? beyond_own_blocks : beyond_own_blocks_of_cuts;
   topology_.stiffened = is_whole ? 1.0 : beyond * std::max(1.0, growth);
   topology_.edited.insert(topology_.edited.end(), domains.begin(), domains.end());
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    const Index i = particles[k];
+    if (model_.mass[i] != mass_before[k]) topology_.edited.push_back(topology_.first_domain[i]);
+  }
   topology_.model.reset();
 }
 

@@ -7,6 +7,7 @@
 #include "base_selection.h"
 #include "model/body_type.h"
 #include "model/cell_geometry.h"
+#include "model/point_cells.h"
 #include "stretched_cells.h"
 #include "topology_match.h"
 #include "topology_terms.h"
