@@ -229,6 +229,13 @@ double NeedlePath::bears(const NeedleNode& node) const {
   return sum / weight * spread_ * spread_;
 }
 
+/// The skin may have slid aside under the tip, which goes in where it is now.
+void NeedlePath::enter_at_tip(const PredictedStep& step, const ShaftLine& line) {
+  const std::size_t skin = last_hole();
+  if (!add_node(step, shaft_at(line, state_.slip), body_of_[state_.hole[skin].particles.front()])) return;
+  state_.hole.erase(state_.hole.begin() + static_cast<std::ptrdiff_t>(skin));
+}
+
 /// On the way that the tip has made since the last one, down to a place.
 void NeedlePath::add_nodes(const PredictedStep& step, const ShaftLine& line, double until) {
   const std::int32_t body = body_of_[state_.hole.back().particles.front()];
@@ -329,6 +336,7 @@ void NeedlePath::follow(const TouchedParticles& touched, const ShaftLine& line) 
     if (state_.slip < needle_.radius) return;
     gives_way_ = pressed && bears(state_.hole.back()) < needle_.puncture;
     state_.punctured = true;
+    enter_at_tip(step, line);
     if (!come_out(step, line)) lengthen(step, line);
     return;
   }

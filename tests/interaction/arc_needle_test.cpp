@@ -289,18 +289,23 @@ TEST(ArcNeedle, LetGoItsThreadRunsFreely) {
   run.wound.scene.tool("needle").release();
   ASSERT_TRUE(is_ok(run.solver->step(static_cast<int>(0.1 / run.dt), run.dt)));
   ASSERT_GE(run.sewn().passages.size(), 3u);
-  State kicked = run.solver->read();
-  for (std::size_t i = kicked.velocity.size() / 2; i < kicked.velocity.size(); ++i) kicked.velocity[i].x() += 0.5;
-  run.solver->reset(kicked);
+  const State still = run.solver->read();
   const double before = run.sewn().rest_length.back();
-  for (int k = 0; k < 100; ++k) {
-    ASSERT_TRUE(is_ok(run.solver->step(1, run.dt)));
-    const VecList& at = run.sewn().position;
-    EXPECT_EQ(run.sewn().tension.back(), 0.0);
-    EXPECT_GE(run.sewn().rest_length.back(), (at.back() - at[at.size() - 2]).norm() - 1e-5);
+  double longest = 0.0;
+  for (const Vec3& kick : {Vec3(0.5, 0, 0), Vec3(-0.5, 0, 0), Vec3(0, 0.5, 0), Vec3(0, 0, 0.5), Vec3(0, 0, -0.5)}) {
+    State kicked = still;
+    for (std::size_t i = kicked.velocity.size() / 2; i < kicked.velocity.size(); ++i) kicked.velocity[i] += kick;
+    run.solver->reset(kicked);
+    for (int k = 0; k < 100; ++k) {
+      ASSERT_TRUE(is_ok(run.solver->step(1, run.dt)));
+      const VecList& at = run.sewn().position;
+      EXPECT_EQ(run.sewn().tension.back(), 0.0);
+      EXPECT_GE(run.sewn().rest_length.back(), (at.back() - at[at.size() - 2]).norm() - 1e-5);
+    }
+    longest = std::max(longest, run.sewn().rest_length.back());
+    EXPECT_NEAR(std::accumulate(run.sewn().rest_length.begin(), run.sewn().rest_length.end(), 0.0), 0.12, 1e-12);
   }
-  EXPECT_GT(run.sewn().rest_length.back(), before + 1e-4);
-  EXPECT_NEAR(std::accumulate(run.sewn().rest_length.begin(), run.sewn().rest_length.end(), 0.0), 0.12, 1e-12);
+  EXPECT_GT(longest, before + 1e-4);
 }
 
 /// A short needle pushed on: its hole ends at its tail.
