@@ -337,7 +337,8 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   double furthest = 0.0;
   for (const Index item : met_) {
     const double distance_limit = std::max(item_search_[item], usual);
-    if (distance_limit <= furthest || surface_->is_own_skin(own, particle, triangle_of(item))) continue;
+    if (distance_limit <= furthest || distance(here, item_box_[item]) > distance_limit * distance_limit) continue;
+    if (surface_->is_own_skin(own, particle, triangle_of(item))) continue;
     if (least_distance(x, item, distance_limit) != HUGE_VAL) furthest = distance_limit;
   }
   if (furthest == 0.0) return false;
