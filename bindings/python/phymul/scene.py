@@ -197,7 +197,7 @@ class Scene(Owner):
         return self
 
     def set_volume(self: Own, name: str, volume: float) -> Own:
-        """m^3, of the fluid without pressure. constrain_volume() calls its volumes "volume 1", "volume 2" and so on."""
+        """m^3, of the fluid without pressure. constrain_volume() calls a volume "volume 3" if it is the third added."""
         library.phymul_volume_set(self._pointer, name.encode(), volume)
         return self
 
