@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "run_body.h"
 
+#include <phymul/body.h>
 #include <phymul/error.h>
 #include <phymul/lml.h>
 #include <phymul/mesh.h>
@@ -85,10 +86,29 @@ void dress_shape(const RunOptions& options, phymul::Model& model) {
   }
 }
 
+/// Along the planes of the options, after all materials are set.
+phymul::Model cut_along_planes(const RunOptions& options, phymul::Model model) {
+  const auto plane = [](const double* it) { return phymul::cut_plane({it[0], it[1], it[2]}, {it[3], it[4], it[5]}); };
+  try {
+    for (std::size_t k = 0; k < options.cuts.size(); k += 6) {
+      phymul::CutSurface cut = plane(&options.cuts[k]);
+      if (!options.cut_front.empty()) cut.front = plane(options.cut_front.data()).distance;
+      const phymul::Index before = model.particle_count();
+      model = phymul::cut_body(std::move(model), cut);
+      if (model.particle_count() > before) continue;
+      throw phymul::Error("the plane " + std::to_string(k / 6 + 1) +
+                          " passes no cell of the body; give a point inside of it, in m");
+    }
+  } catch (const phymul::Error& error) {
+    throw phymul::Error(error.code(), std::string("--cut: ") + error.what());
+  }
+  return model;
+}
+
 phymul::Model read_body(const RunOptions& options) {
   phymul::Model model = read_shape(options);
   dress_shape(options, model);
-  return model;
+  return cut_along_planes(options, std::move(model));
 }
 
 void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::Scene& scene,

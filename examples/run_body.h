@@ -21,7 +21,7 @@ phymul::Model read_shape(const RunOptions& options);
 /// Adds groups and sets materials. Throws phymul::Error for a body without volume cells or an unknown group.
 void dress_shape(const RunOptions& options, phymul::Model& model);
 
-phymul::Model read_body(const RunOptions& options);  ///< both
+phymul::Model read_body(const RunOptions& options);  ///< both, and cuts
 
 /// Adds what acts on the body. `notes`: what reading the loads found, unless null. Throws phymul::Error.
 void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::Scene& scene,

@@ -43,6 +43,8 @@ struct RunOptions {
   std::vector<std::string> fixed_groups;
   std::vector<double> fixed_balls;  ///< m, each x y z radius
   std::vector<double> held_balls;   ///< the same, of the surface
+  std::vector<double> cuts;         ///< each a point, m, and a normal of a plane: x y z x y z
+  std::vector<double> cut_front;    ///< the same of the plane behind which they are cut; or none
   std::vector<double> gravity;      ///< m/s^2, three or none
 
   std::string backend = "auto";

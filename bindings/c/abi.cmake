@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 #
-# cmake -DCOMPILER=cc -DSCRATCH=folder -P abi.cmake: functions and structs of phymul_c.h are those of abi.xml, for a
+# cmake -DCOMPILER=cc -DSCRATCH=folder -P abi.cmake: functions and structs of the headers are those of abi.xml, for a
 # program that was compiled before. libabigail (Debian: abigail-tools) compares a library of empty functions with the
-# declarations of the header; that the real ones have these types, the compiler sees to, and symbols.cmake that all are
+# declarations of the headers; that the real ones have these types, the compiler sees to, and symbols.cmake that all are
 # there. With -DWRITE=ON it writes abi.xml anew, after additions. Anything else needs another SOVERSION.
 cmake_minimum_required(VERSION 3.25)
 find_program(abidw abidw)
@@ -14,6 +14,8 @@ endif()
 
 set(folder ${CMAKE_CURRENT_LIST_DIR})
 file(READ ${folder}/phymul_c.h text)
+file(READ ${folder}/phymul_c_interaction.h more)
+string(APPEND text "${more}")
 string(REGEX REPLACE "//[^\n]*" "" text "${text}")
 string(REPLACE ";" "@" text "${text}")
 string(REGEX MATCHALL "PHYMUL_API [^@]+\\)@" functions "${text}")
@@ -42,7 +44,7 @@ if(NOT REFERENCE)
 endif()
 execute_process(COMMAND ${abidiff} ${REFERENCE} ${library} RESULT_VARIABLE changes)
 if(NOT changes EQUAL 0)
-  message(FATAL_ERROR "phymul_c.h is not what ${REFERENCE} says (abidiff: ${changes}). If something was added at an end: "
+  message(FATAL_ERROR "The headers are not what ${REFERENCE} says (abidiff: ${changes}). If something was added at an end: "
                       "cmake -DWRITE=ON -DCOMPILER=${COMPILER} -DSCRATCH=${SCRATCH} -P ${folder}/abi.cmake. If "
                       "something else changed, programs that were compiled before go wrong")
 endif()

@@ -329,3 +329,22 @@ phymul_status phymul_body_set_material(phymul_body* body, const phymul_material*
     group ? set_material(model, given, group) : set_material(model, given);
   });
 }
+
+phymul_status phymul_body_parts(phymul_body* body, const int32_t** parts, int32_t* particle_count,
+                                const double** volumes, int32_t* count) {
+  return guarded([&] {
+    phymul_body& own = need(body, "a body");
+    need(parts, "a place for the parts");
+    need(particle_count, "a place for the number of particles");
+    need(count, "a place for the number");
+    need(volumes, "a place for the volumes");
+    own.parts.assign(own.model.rest.size(), -1);
+    own.volumes.clear();
+    for (const ConnectedBody& part : connected_bodies(own.model)) {
+      for (const Index i : part.particles) own.parts[i] = static_cast<int32_t>(own.volumes.size());
+      own.volumes.push_back(part.volume);
+    }
+    hand_out(own.parts.data(), own.parts.size(), parts, particle_count, "a place for the parts");
+    hand_out(own.volumes.data(), own.volumes.size(), volumes, count, "a place for the volumes");
+  });
+}

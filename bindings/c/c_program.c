@@ -254,6 +254,77 @@ static const char* rest_of(const phymul_body* body, struct c_results* out) {
   return NULL;
 }
 
+/* A needle, a thread, a clip and a fluid, with constants that are not the defaults. */
+static const char* sutured(phymul_body* body, struct c_results* out) {
+  const phymul_options options = {.size = sizeof options, .backend = "cpu", .damping_rate = 20, .threads = 1};
+  const phymul_body* bodies[1] = {body};
+  phymul_simulation* sim = NULL;
+  DO(phymul_simulation_create(bodies, NULL, 1, &options, &sim))
+  DO(phymul_fix(sim, "z0"))
+  const double places[12] = {0.005, 0.015, 0.028, 0.012, 0.015, 0.02, 0.018, 0.015, 0.02, 0.025, 0.015, 0.028};
+  const double right[3] = {0.3, 0, 0}, left[3] = {-0.2, 0, 0};
+  const phymul_thread silk = {.size = sizeof silk, .length = 0.1, .friction = -1, .channel_friction = 0.01};
+  uint64_t stitch = 0, clip = 0, shaft = 0;
+  REFUSED(phymul_thread_sew(sim, &silk, places, 1, &stitch), PHYMUL_INVALID_ARGUMENT, "places")
+  DO(phymul_thread_sew(sim, &silk, places, 4, &stitch))
+  REFUSED(phymul_thread_pull(sim, stitch, 2, right), PHYMUL_INVALID_ARGUMENT, "a tip")
+  REFUSED(phymul_thread_pull(sim, stitch + 1, PHYMUL_LAST, right), PHYMUL_UNKNOWN_NAME, "thread")
+  DO(phymul_thread_pull(sim, stitch, PHYMUL_FIRST, right))
+  DO(phymul_thread_pull(sim, stitch, PHYMUL_LAST, left))
+  const int32_t *group = NULL, *triangles = NULL;
+  int32_t sides[2][16];
+  phymul_anchor walls[2] = {{.size = sizeof walls[0]}, {.size = sizeof walls[0]}};
+  for (int k = 0; k < 2; ++k) {
+    DO(phymul_body_group(body, k == 0 ? "y0" : "y1", &group, &walls[k].count))
+    HOLDS(walls[k].count == 16)
+    memcpy(sides[k], group, sizeof sides[k]);
+    walls[k].particles = sides[k];
+  }
+  const phymul_clip titanium = {.size = sizeof titanium, .gap = 0.028, .holding = 0.4};
+  DO(phymul_clip_add(sim, &titanium, &walls[0], &walls[1], &clip))
+  int32_t triangle_count = 0;
+  DO(phymul_body_triangles(body, &triangles, &triangle_count))
+  const phymul_fluid air = {.size = sizeof air, .law = PHYMUL_GAS, .exponent = 1.4, .conductance = 1e-9};
+  DO(phymul_volume_add(sim, "air", triangles, triangle_count, 2.8e-5, &air))
+  DO(phymul_volume_set(sim, "air", 2.75e-5))
+  const phymul_needle fine = {
+      .size = sizeof fine, .length = 0.05, .radius = 0.4e-3, .spread = 0.012, .static_friction = 20};
+  phymul_pose pose = {.size = sizeof pose, .position = {0.015, 0.015, 0.031}};
+  const phymul_tool_options tool = {.size = sizeof tool, .shape = PHYMUL_NEEDLE, .pose = &pose, .needle = &fine};
+  DO(phymul_tool_add(sim, &tool, &shaft))
+  for (int tick = 0; tick < 20; ++tick) {
+    if (tick == 10) DO(phymul_thread_tie(sim, stitch, 3, 0, 4))
+    pose.position[2] -= 5e-4;
+    DO(phymul_tool_move_to(sim, shaft, &pose))
+    DO(phymul_advance(sim, 2e-3, NULL))
+  }
+  phymul_thread_state state = {.size = sizeof state};
+  DO(phymul_thread_read(sim, clip, &state))
+  out->clip_tension = state.tensions[1];
+  DO(phymul_thread_read(sim, stitch, &state))
+  HOLDS(state.points == thread_points && state.passages == 4 && state.rows[3] == 3 && state.knot_count == 1)
+  HOLDS(state.knots[0].a == 0 && state.knots[0].b == 3 && !state.knots[0].broken && state.torn == 0)
+  memcpy(out->thread, state.positions, sizeof out->thread);
+  memcpy(out->tension, state.tensions, sizeof out->tension);
+  out->knot = state.knots[0].tension;
+  double volume = 0;
+  DO(phymul_volume_read(sim, "air", &volume, &out->pressure))
+  HOLDS(volume > 0)
+  REFUSED(phymul_volume_read(sim, "water", &volume, &out->pressure), PHYMUL_UNKNOWN_NAME, "water")
+  phymul_tool_force force = {.size = sizeof force};
+  DO(phymul_tool_read_force(sim, shaft, &force))
+  memcpy(out->needle, force.force, sizeof out->needle);
+  DO(phymul_needle_points(sim, shaft, shaft_points, out->shaft))
+  phymul_needle_state needle = {.size = sizeof needle};
+  DO(phymul_needle_read(sim, shaft, &needle))
+  HOLDS(needle.punctured && !needle.through && !needle.is_free)
+  out->needle_nodes = needle.nodes;
+  DO(phymul_thread_remove(sim, clip))
+  REFUSED(phymul_thread_read(sim, clip, &state), PHYMUL_UNKNOWN_NAME, "thread")
+  phymul_simulation_free(sim);
+  return NULL;
+}
+
 const char* c_program(struct c_results* out) {
   const char* wrong = misuse_of_bodies();
   if (wrong) return wrong;
@@ -283,6 +354,7 @@ const char* c_program(struct c_results* out) {
   if (!wrong) wrong = interact(sim, top, top_count, out);
   if (!wrong) wrong = read_state(sim, out);
   if (!wrong) wrong = rest_of(body, out);
+  if (!wrong) wrong = sutured(body, out);
   phymul_body_free(body);
   phymul_simulation_free(sim);
   return wrong;

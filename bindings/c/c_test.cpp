@@ -89,6 +89,46 @@ void compare(const c_results& c) {
   expect_same("residual at rest", &c.rest_residual, &residual, 1);
 }
 
+void compare_sutured(const c_results& c) {
+  phymul::SimulationOptions options{.backend = "cpu", .damping = {.rate = 20}};
+  options.solver.threads = 1;
+  phymul::Simulation sim(block(), options);
+  phymul::Scene& scene = sim.scene().fix("z0");
+  const auto stitch = scene.sew(
+      {.length = 0.1, .friction = 0.0, .channel_friction = 0.01},
+      phymul::VecList{{0.005, 0.015, 0.028}, {0.012, 0.015, 0.02}, {0.018, 0.015, 0.02}, {0.025, 0.015, 0.028}});
+  stitch.pull(phymul::ThreadTip::first, {0.3, 0, 0});
+  stitch.pull(phymul::ThreadTip::last, {-0.2, 0, 0});
+  const auto wall = [&](const char* group) { return phymul::at_mean(sim.model().group(group)); };
+  const auto clip = scene.add_clip("clip", {.gap = 0.028, .holding = 0.4}, wall("y0"), wall("y1"));
+  scene.constrain_volume(
+      phymul::VolumeConstraint{.triangles = surface_triangles(sim.model()),
+                               .volume = 2.8e-5,
+                               .name = "air",
+                               .fluid = {.law = phymul::FluidLaw::gas, .exponent = 1.4, .conductance = 1e-9}});
+  scene.set_volume("air", 2.75e-5);
+  phymul::ToolPose pose{.position = {0.015, 0.015, 0.031}};
+  const phymul::Needle fine{.length = 0.05, .radius = 0.4e-3, .static_friction = 20, .spread = 0.012};
+  const auto needle = scene.add_tool({.shape = fine, .pose = pose});
+  for (int tick = 0; tick < 20; ++tick) {
+    if (tick == 10) stitch.tie(3, 0, 4);
+    pose.position.z() -= 5e-4;
+    needle.move_to(pose);
+    sim.advance(2e-3);
+  }
+  const phymul::Solver& solver = sim.solver();
+  const phymul::ThreadState& state = solver.thread_state(stitch);
+  expect_same("thread", c.thread, state.position);
+  expect_same("tensions", c.tension, state.tension.data(), state.tension.size());
+  expect_same("knot", &c.knot, &state.knots.at(0).tension, 1);
+  expect_same("clip", &c.clip_tension, &solver.thread_state(clip).tension[1], 1);
+  expect_same("pressure", &c.pressure, &solver.fluid("air").pressure, 1);
+  expect_same("force on the needle", c.needle, sim.force_on(needle).force.data(), 3);
+  expect_same("shaft", c.shaft, solver.needle_points("tool 1", shaft_points));
+  const double nodes = static_cast<double>(solver.read().tools.at(0).needle.hole.size()), same = c.needle_nodes;
+  expect_same("nodes of the hole", &same, &nodes, 1);
+}
+
 }  // namespace
 
 int main() {
@@ -98,5 +138,6 @@ int main() {
     return 1;
   }
   compare(results);
+  compare_sutured(results);
   return faulty ? 1 : 0;
 }

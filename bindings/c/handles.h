@@ -27,12 +27,17 @@ struct phymul_body {
   std::vector<std::array<phymul::Index, 3>> triangles{};
   std::vector<phymul::Index> group{};
   std::string notes{}, groups{};
+  std::vector<int32_t> parts{};
+  std::vector<double> volumes{};
 };
 
 struct phymul_simulation {
   phymul::Simulation simulation;
   phymul::VecList positions{}, velocities{}, forces{};  // [N] from the first call on: their memory never moves
   std::string message{}, warnings{}, backend{}, body_types{};
+  phymul::ThreadState thread{};  // the last one that was handed out
+  std::vector<int32_t> broken{}, slides{};
+  std::vector<phymul_knot> knots{};
 };
 
 struct phymul_snapshot {
@@ -43,6 +48,10 @@ struct phymul_skin {
   phymul::Skin skin;
   std::vector<std::array<phymul::Index, 3>> triangles;
   phymul::VecList points{}, normals{};
+};
+
+struct phymul_jaws {
+  phymul::Jaws jaws;
 };
 
 struct phymul_plan {

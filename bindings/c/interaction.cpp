@@ -1,34 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// Tools, joints and skins.
+// Tools, jaws, joints and skins.
 #include <algorithm>
 
-#include "handles.h"
+#include "named.h"
 
 using namespace phymul;
 using namespace phymul::c;
 
 static_assert(static_cast<int>(ToolContact::surface) == PHYMUL_TOUCHES_SURFACE);
 
-namespace {
-
-/// The name of a tool or joint by its number. Throws Error, with the known numbers.
-template <class Rows>
-const std::string& name_of(const Rows& rows, uint64_t id, const char* what) {
-  std::string known;
-  for (const auto& row : rows) {
-    if (row.id == id) return row.name;
-    known += (known.empty() ? "" : ", ") + std::to_string(row.id);
-  }
-  throw Error(ErrorCode::unknown_name, std::string("the simulation has no ") + what + " of the number " +
-                                           std::to_string(id) +
-                                           (known.empty() ? "; it has none" : "; it has: " + known));
-}
-
-JointHandle joint_of(phymul_simulation* sim, uint64_t joint) {
-  Scene& scene = need(sim, "a simulation").simulation.scene();
-  return scene.joint(name_of(scene.joints(), joint, "joint"));
-}
+namespace phymul::c {
 
 ToolHandle tool_of(phymul_simulation* sim, uint64_t tool) {
   Scene& scene = need(sim, "a simulation").simulation.scene();
@@ -45,22 +27,6 @@ ToolPose pose_of(const phymul_pose* given) {
   return pose;
 }
 
-ToolShape shape_of(const phymul_tool_options& from) {
-  require_kind(from.shape, PHYMUL_SPHERE, 5, "a shape");
-  switch (from.shape) {
-    case PHYMUL_SPHERE:
-      return Sphere{.radius = from.radius};
-    case PHYMUL_CAPSULE:
-      return Capsule{.radius = from.radius, .length = from.length};
-    case PHYMUL_HALF_SPACE:
-      return HalfSpace{};
-    case PHYMUL_BLADE:
-      return Blade{.width = from.length, .toughness = from.toughness};
-    default:
-      return Box{.half_size = vector(from.half_size, "a half size")};
-  }
-}
-
 Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
   const phymul_anchor from = options_of(given, "an anchor");
   if (!from.particles) {
@@ -71,6 +37,62 @@ Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
   const auto particles = list(from.particles, from.count, "particles");
   if (!from.weights) return at_mean({particles.begin(), particles.end()});
   return {.particles = {particles.begin(), particles.end()}, .weights = {from.weights, from.weights + from.count}};
+}
+
+}  // namespace phymul::c
+
+namespace {
+
+JointHandle joint_of(phymul_simulation* sim, uint64_t joint) {
+  Scene& scene = need(sim, "a simulation").simulation.scene();
+  return scene.joint(name_of(scene.joints(), joint, "joint"));
+}
+
+constexpr Constant<phymul_needle, Needle> needle_constants[] = {
+    {&phymul_needle::length, &Needle::length},
+    {&phymul_needle::radius, &Needle::radius},
+    {&phymul_needle::puncture, &Needle::puncture},
+    {&phymul_needle::cutting, &Needle::cutting},
+    {&phymul_needle::static_friction, &Needle::static_friction},
+    {&phymul_needle::kinetic_friction, &Needle::kinetic_friction},
+    {&phymul_needle::spread, &Needle::spread},
+    {&phymul_needle::bending_stiffness, &Needle::bending_stiffness},
+    {&phymul_needle::arc_radius, &Needle::arc_radius},
+    {&phymul_needle::leaving, &Needle::leaving}};
+
+constexpr Constant<phymul_jaws_options, JawsOptions> jaws_constants[] = {
+    {&phymul_jaws_options::length, &JawsOptions::length},
+    {&phymul_jaws_options::width, &JawsOptions::width},
+    {&phymul_jaws_options::thickness, &JawsOptions::thickness},
+    {&phymul_jaws_options::friction, &JawsOptions::friction},
+    {&phymul_jaws_options::grip, &JawsOptions::grip},
+    {&phymul_jaws_options::opening, &JawsOptions::opening},
+    {&phymul_jaws_options::speed, &JawsOptions::speed}};
+
+ToolShape shape_of(const phymul_tool_options& from) {
+  require_kind(from.shape, PHYMUL_SPHERE, 6, "a shape");
+  switch (from.shape) {
+    case PHYMUL_SPHERE:
+      return Sphere{.radius = from.radius};
+    case PHYMUL_CAPSULE:
+      return Capsule{.radius = from.radius, .length = from.length};
+    case PHYMUL_HALF_SPACE:
+      return HalfSpace{};
+    case PHYMUL_NEEDLE:
+      return constants_of(from.needle, needle_constants, "constants of a needle");
+    case PHYMUL_BLADE:
+      return Blade{.width = from.length, .toughness = from.toughness};
+    default:
+      return Box{.half_size = vector(from.half_size, "a half size")};
+  }
+}
+
+/// Where the jaws' plates are. Throws Error for another simulation.
+const Simulation& simulation_of(const phymul_jaws* jaws, phymul_simulation* sim) {
+  const Simulation& simulation = need(sim, "a simulation").simulation;
+  if (!need(jaws, "jaws").jaws.first().is_of(simulation.scene()))
+    throw Error("expected the simulation that the jaws were made with, got another");
+  return simulation;
 }
 
 }  // namespace
@@ -142,6 +164,80 @@ phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t tool, phym
     store(now.mean_torque, result.mean_torque);
     result.particles = now.particles;
     result.held = sim->simulation.solver().held(handle);
+    place.fill(result);
+  });
+}
+
+phymul_status phymul_needle_read(phymul_simulation* sim, uint64_t tool, phymul_needle_state* state) {
+  return guarded([&] {
+    const Place place(state, "a place for the state of the needle");
+    const Scene& scene = need(sim, "a simulation").simulation.scene();
+    const std::string& name = name_of(scene.tools(), tool, "tool");
+    if (!std::holds_alternative<Needle>(std::ranges::find(scene.tools(), tool, &SceneTool::id)->tool.shape))
+      throw Error("expected a needle; the tool \"" + name + "\" has another shape");
+    const State now = sim->simulation.solver().read();
+    const auto own = std::ranges::find(now.tools, name, &ToolState::name);
+    phymul_needle_state result{};
+    if (own != now.tools.end()) {
+      result.nodes = static_cast<int32_t>(own->needle.hole.size());
+      result.punctured = own->needle.punctured;
+      result.through = own->needle.through;
+      result.is_free = own->needle.free;
+      result.slip = own->needle.slip;
+    }
+    place.fill(result);
+  });
+}
+
+phymul_status phymul_needle_points(phymul_simulation* sim, uint64_t tool, int32_t count, double* points) {
+  return guarded([&] {
+    need(points, "a place for the points");
+    const std::string& name = name_of(need(sim, "a simulation").simulation.scene().tools(), tool, "tool");
+    const VecList places = sim->simulation.solver().needle_points(name, count);
+    for (std::size_t k = 0; k < places.size(); ++k) store(places[k], points + 3 * k);
+  });
+}
+
+phymul_status phymul_jaws_create(phymul_simulation* sim, const char* name, const phymul_jaws_options* options,
+                                 const phymul_pose* hinge, phymul_jaws** made) {
+  return guarded([&] {
+    need(made, "a place for the jaws");
+    JawsOptions wanted = constants_of(options, jaws_constants, "options of jaws");
+    if (options && options_of(options, "options of jaws").touches_particles != 0)
+      wanted.contact = ToolContact::particles;
+    Scene& scene = need(sim, "a simulation").simulation.scene();
+    *made = new phymul_jaws{.jaws = Jaws(scene, &need(name, "a name of the jaws"), wanted, pose_of(hinge))};
+  });
+}
+
+void phymul_jaws_free(phymul_jaws* jaws) {
+  delete jaws;
+}
+
+phymul_status phymul_jaws_close(phymul_jaws* jaws, int32_t closes) {
+  return guarded([&] { closes != 0 ? need(jaws, "jaws").jaws.close() : need(jaws, "jaws").jaws.open(); });
+}
+
+phymul_status phymul_jaws_follow(phymul_jaws* jaws, phymul_simulation* sim, const phymul_pose* hinge, double dt) {
+  return guarded([&] {
+    const Simulation& simulation = simulation_of(jaws, sim);
+    Jaws& own = jaws->jaws;
+    own.follow(pose_of(hinge), simulation.force_on(own.first()), simulation.force_on(own.second()), dt);
+  });
+}
+
+phymul_status phymul_jaws_read(const phymul_jaws* jaws, phymul_simulation* sim, phymul_jaws_report* report) {
+  return guarded([&] {
+    const Place place(report, "a place for the report");
+    simulation_of(jaws, sim);
+    const Jaws& own = jaws->jaws;
+    phymul_jaws_report result{};
+    result.angle = own.angle();
+    result.grip = own.grip();
+    store(own.force(), result.force);
+    store(own.torque(), result.torque);
+    result.plates[0] = own.first().id();
+    result.plates[1] = own.second().id();
     place.fill(result);
   });
 }

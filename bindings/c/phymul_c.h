@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The C interface of phymul (C99): bodies, simulations, tools, joints, skins, states and the planner. What the calls
-// compute is described in the C++ headers, which have the same names. Guide: docs/guide/c.md.
+// The C interface of phymul (C99): bodies, simulations, skins, states and the planner; phymul_c_interaction.h, which it
+// includes, has tools, joints, threads and fluids. What the calls compute is described in the C++ headers, which have
+// the same names. Guide: docs/guide/c.md.
 //
 // Values     SI units. A vector is three doubles, a list of N vectors 3 N doubles, row by row. Particles, cells and
 //            vertices are counted from 0. Strings are UTF-8. A list of names or sentences is one string, a line each.
@@ -45,6 +46,7 @@ typedef struct phymul_simulation phymul_simulation;  // Simulation
 typedef struct phymul_skin phymul_skin;              // Skin with its triangles
 typedef struct phymul_snapshot phymul_snapshot;      // Snapshot
 typedef struct phymul_plan phymul_plan;              // Plan
+typedef struct phymul_jaws phymul_jaws;              // Jaws
 
 // Of the last error in this thread; "" before the first. Valid until the next error in this thread.
 PHYMUL_API const char* phymul_last_error(void);
@@ -65,9 +67,9 @@ PHYMUL_API phymul_status phymul_surface_triangles(const phymul_surface* surface,
 
 typedef struct phymul_material {
   uint32_t size;
-  double young;    // Pa, > 0
-  double poisson;  // in (-1, 1/2)
-  double density;  // kg/m^3, > 0
+  double young;                // Pa, > 0
+  double poisson;              // in (-1, 1/2)
+  double density;              // kg/m^3, > 0
   double retardation_time;     // s; it and the next two: dissipation (docs/guide/bodies.md), 0: none
   double relaxation_strength;  // 1
   double relaxation_time;      // s, > 0 with a relaxation_strength
@@ -134,6 +136,10 @@ PHYMUL_API phymul_status phymul_body_with_spare_particles(const phymul_body* bod
 // cut_body along a plane, where (x - front_point) . front_normal is negative (NULL: everywhere). A new body.
 PHYMUL_API phymul_status phymul_body_cut(const phymul_body* body, const double point[3], const double normal[3],
                                          const double* front_point, const double* front_normal, phymul_body** made);
+// connected_bodies: the part that each particle is in, -1 for none, and the volume of each part, m^3. Valid until the
+// next call with this body.
+PHYMUL_API phymul_status phymul_body_parts(phymul_body* body, const int32_t** parts, int32_t* particle_count,
+                                           const double** volumes, int32_t* count);
 
 // --- Simulations ----------------------------------------------------------------------------------------------------
 
@@ -184,18 +190,23 @@ PHYMUL_API phymul_status phymul_constrain_volume(phymul_simulation* sim, const c
 PHYMUL_API phymul_status phymul_remove_cells(phymul_simulation* sim, const int32_t* cells, int32_t count);
 PHYMUL_API phymul_status phymul_cut(phymul_simulation* sim, const double point[3], const double normal[3],
                                     const double* front_point, const double* front_normal, int32_t* whether);
+PHYMUL_API phymul_status phymul_cuts(const phymul_simulation* sim, int32_t* count);  // that the body has, tears too
 
 typedef struct phymul_step_report {
   uint32_t size;
-  int32_t steps;          // done
-  int32_t at_rest;        // the rest test holds at the end
-  int32_t force_clamped;  // an elastic force was limited
-  int32_t particle;       // where a failure happened; -1: unknown
-  double time;            // s
-  double dt;              // s
-  double stable_step;     // s
-  double residual;        // N, largest net force on a free particle
-  double max_speed;       // m/s
+  int32_t steps;            // done
+  int32_t at_rest;          // the rest test holds at the end
+  int32_t force_clamped;    // an elastic force was limited
+  int32_t particle;         // where a failure happened; -1: unknown
+  double time;              // s
+  double dt;                // s
+  double stable_step;       // s
+  double residual;          // N, largest net force on a free particle
+  double max_speed;         // m/s
+  int32_t springs_broken;   // in this call, as the next three
+  int32_t tissue_gave_way;  // punctures below the needle's own force
+  int32_t uncut;            // cells that a blade has passed, or that should have torn, and that could not part
+  int32_t torn;             // cells
 } phymul_step_report;
 
 typedef struct phymul_rest_report {
@@ -239,97 +250,6 @@ PHYMUL_API phymul_status phymul_record(phymul_simulation* sim);  // from now on
 PHYMUL_API phymul_status phymul_save_recording(const phymul_simulation* sim, const char* path);
 PHYMUL_API phymul_status phymul_replay(phymul_simulation* sim, const char* path);
 PHYMUL_API phymul_status phymul_write_vtu(const phymul_simulation* sim, const char* path);
-
-// --- Tools ----------------------------------------------------------------------------------------------------------
-
-typedef struct phymul_pose {
-  uint32_t size;
-  double position[3];     // m
-  double orientation[4];  // w, x, y, z; all 0: none
-  double velocity[3];     // m/s, of the tool after the call, until it gets a new pose
-  double spin[3];         // rad/s
-} phymul_pose;
-
-enum { PHYMUL_SPHERE = 0, PHYMUL_CAPSULE = 1, PHYMUL_HALF_SPACE = 2, PHYMUL_BOX = 3, PHYMUL_BLADE = 4 };
-enum { PHYMUL_TOUCHES_PARTICLES = 0, PHYMUL_TOUCHES_SURFACE = 1 };  // ToolContact
-
-typedef struct phymul_tool_options {
-  uint32_t size;
-  int32_t shape;            // PHYMUL_SPHERE and so on: include/phymul/tool.h
-  double radius;            // m, of a sphere or a capsule
-  double length;            // m, of a capsule, or of a blade's edge
-  double half_size[3];      // m, of a box
-  const phymul_pose* pose;  // NULL: at the origin
-  double friction;
-  double compliance;  // m/N
-  double margin;      // m
-  int32_t contact;    // PHYMUL_TOUCHES_PARTICLES or PHYMUL_TOUCHES_SURFACE
-  int32_t unused;
-  double toughness;  // J/m^2, of a blade
-} phymul_tool_options;
-
-typedef struct phymul_tool_force {  // of the particles on the tool
-  uint32_t size;
-  double force[3];        // N, of the last step
-  double torque[3];       // N m, about the tool's position
-  double mean_force[3];   // N, over the steps of the last call
-  double mean_torque[3];  // N m
-  int32_t particles;      // that it pushed or held
-  int32_t held;           // that it holds
-} phymul_tool_force;
-PHYMUL_API phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options* options, uint64_t* tool);
-PHYMUL_API phymul_status phymul_tool_remove(phymul_simulation* sim, uint64_t tool);
-PHYMUL_API phymul_status phymul_tool_move_to(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose);
-PHYMUL_API phymul_status phymul_tool_teleport(phymul_simulation* sim, uint64_t tool, const phymul_pose* pose);
-PHYMUL_API phymul_status phymul_tool_grasp(phymul_simulation* sim, uint64_t tool, double distance);  // m
-PHYMUL_API phymul_status phymul_tool_release(phymul_simulation* sim, uint64_t tool);
-PHYMUL_API phymul_status phymul_tool_read_pose(phymul_simulation* sim, uint64_t tool, phymul_pose* pose);
-PHYMUL_API phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t tool, phymul_tool_force* force);
-
-// --- Joints ---------------------------------------------------------------------------------------------------------
-
-typedef struct phymul_anchor {  // an end of a spring: a mean of particles, or a point of the world or of a tool
-  uint32_t size;
-  int32_t count;             // of particles
-  const int32_t* particles;  // NULL: a point
-  const double* weights;     // of sum 1; NULL: equal
-  uint64_t tool;             // of the point; 0: the world
-  double point[3];           // m, in the world or in the tool's frame
-} phymul_anchor;
-
-typedef struct phymul_joint_options {
-  uint32_t size;
-  int32_t slack;       // 1: pulls only
-  double stiffness;    // N/m; phymul_attach: N/m^3
-  double damping;      // N s/m; phymul_attach: N s/m^3
-  double breaking;     // N; phymul_attach: Pa; 0: never
-  double rest_length;  // m; below 0: the distance of the anchors when added; phymul_attach does not use it
-} phymul_joint_options;
-
-typedef struct phymul_joint_report {
-  uint32_t size;
-  double force[3];  // N, sum of the forces on the anchors `a`
-  double largest;   // N, of a spring
-  int32_t broken;   // number of broken springs
-  int32_t springs;
-} phymul_joint_report;
-
-PHYMUL_API phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_anchor* a, const phymul_anchor* b,
-                                          const phymul_joint_options* options, uint64_t* joint);
-// Scene::attach: a spring for each particle of a patch of the surface, to a body (`group`, if not NULL), else to a tool
-// (if not 0), else to points of the world at `offset`, m, from where the particles are.
-PHYMUL_API phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, int32_t count,
-                                       const char* group, uint64_t tool, const double offset[3],
-                                       const phymul_joint_options* options, uint64_t* joint);
-// Scene::hold, of the part in a ball of the surface that the body was made from. `spacing`, m: a third of the body's.
-PHYMUL_API phymul_status phymul_hold_near(phymul_simulation* sim, const double* vertices, int32_t vertex_count,
-                                          const int32_t* triangles, int32_t triangle_count, const double centre[3],
-                                          double radius, double spacing, uint64_t* joint);
-// add_body_types, for a body from a .pml file. `sentences`: a line each, valid until the next call of the same.
-PHYMUL_API phymul_status phymul_add_body_types(phymul_simulation* sim, const char** sentences);
-PHYMUL_API phymul_status phymul_joint_remove(phymul_simulation* sim, uint64_t joint);
-PHYMUL_API phymul_status phymul_joint_set(phymul_simulation* sim, uint64_t joint, double stiffness, double damping);
-PHYMUL_API phymul_status phymul_joint_read(phymul_simulation* sim, uint64_t joint, phymul_joint_report* report);
 
 // --- Skins ----------------------------------------------------------------------------------------------------------
 
@@ -396,5 +316,7 @@ PHYMUL_API phymul_status phymul_plan_make(const phymul_plan* plan, int32_t which
 #ifdef __cplusplus
 }
 #endif
+
+#include "phymul_c_interaction.h"
 
 #endif

@@ -96,7 +96,11 @@ phymul_status step_by(phymul_simulation* sim, phymul_step_report* report, Step&&
                    .dt = done.dt,
                    .stable_step = done.stable_step,
                    .residual = done.residual,
-                   .max_speed = done.max_speed});
+                   .max_speed = done.max_speed,
+                   .springs_broken = done.springs_broken,
+                   .tissue_gave_way = done.tissue_gave_way,
+                   .uncut = done.uncut,
+                   .torn = done.torn});
     if (!done.ok()) throw Failure{PHYMUL_STEP_FAILED, sim->message};
   });
 }
@@ -157,6 +161,10 @@ phymul_status phymul_cut(phymul_simulation* sim, const double point[3], const do
     const bool parted = of(sim).cut(cut);
     if (whether) *whether = parted ? 1 : 0;
   });
+}
+
+phymul_status phymul_cuts(const phymul_simulation* sim, int32_t* count) {
+  return guarded([&] { need(count, "a place for the number") = static_cast<int32_t>(of(sim).cuts().size()); });
 }
 
 phymul_status phymul_scale_stiffness(phymul_simulation* sim, const phymul_material* material, double factor) {

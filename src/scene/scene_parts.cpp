@@ -32,8 +32,8 @@ bool same_springs(Joint a, const Joint& b) {
 }
 
 bool same(const SceneThread& a, const SceneThread& b) {
-  return a.name == b.name && a.thread == b.thread && a.start == b.start && a.direction == b.direction &&
-         a.passages == b.passages;
+  return a.name == b.name && a.thread == b.thread && a.start == b.start && a.passages == b.passages &&
+         (!a.passages.empty() || a.direction == b.direction);
 }
 
 /// The first that differs; empty: none.
@@ -71,7 +71,9 @@ SceneParts Scene::parts() const {
 ThreadHandle Scene::add_thread(const SceneThread& thread) & {
   if (!thread.is_sewn()) return add_thread(thread.name, thread.thread, thread.start, thread.direction);
   if (thread.passages.empty()) return swage(thread.name, thread.thread, {});
-  return sew(thread.name, thread.thread, thread.passages);
+  const ThreadHandle added = sew(thread.name, thread.thread, thread.passages);
+  added.own().direction = thread.direction;
+  return added;
 }
 
 /// A thread that stays keeps its id.

@@ -243,6 +243,10 @@ void ThreadHandle::join(ThreadTip tip, const Anchor& anchor) const {
   SceneThread& thread = own();
   const std::string label = thread_label(thread.name);
   AnchorCheck{label, scene_->model(), scene_->tools()}(anchor);
+  if (tip == ThreadTip::last && thread.is_sewn() && !anchor.tool.empty()) {
+    const Tool& tool = item_named(scene_->tools_, "tool", anchor.tool).tool;
+    if (std::holds_alternative<Needle>(tool.shape)) thread.direction = Vec3::Zero();  // it makes passages
+  }
   thread.control.ends[static_cast<std::size_t>(tip)] = {.hold = TipHold::anchored, .anchor = anchor};
   ++thread.changes;
 }

@@ -181,6 +181,31 @@ TEST(ArcNeedle, IsTakenElsewhereThriceAndItsThreadFollows) {
 }
 
 /// A whole suture, from states in its middle too.
+/// A knot of a passage that is still to come waits for it. A thread that was sewn and then joined to the needle's tail
+/// is tied by the rows that the needle makes, also after it was cut off, and in a copy of the scene.
+TEST(ArcNeedle, KnotsOfPassagesToComeWaitForThem) {
+  Sewing run;
+  run.wound.scene.remove_thread("suture");
+  const Needle needle = half_circle();
+  run.thread = run.wound.scene.sew("suture", {.length = 0.12, .friction = 0.1},
+                                   VecList{{-0.014, 0.004, 0.008}, {-0.012, 0.006, 0.008}});
+  run.thread.pull(ThreadTip::first, Vec3::Zero());
+  run.thread.join(ThreadTip::last, at_tool("needle", shaft_place(needle, needle.length)));
+  run.thread.tie(1, 2, 3);
+  run.turn(10);
+  EXPECT_TRUE(run.sewn().knots.empty());
+  for (int k = 0; k < 300 && run.sewn().sewn.empty(); ++k) run.turn(1);
+  ASSERT_FALSE(run.sewn().sewn.empty());
+  ASSERT_EQ(run.sewn().knots.size(), 1u);
+  EXPECT_FALSE(run.sewn().knots[0].broken);
+  run.thread.pull(ThreadTip::last, Vec3::Zero());
+  run.thread.tie(0, 2, 3);
+  EXPECT_TRUE(refuses([&] { run.thread.tie(0, 100, 3); }, "expected passages from 0 to 99, got 100"));
+  Scene other(run.wound.model);
+  other.bring_back(run.wound.scene.parts());
+  EXPECT_EQ(other.thread("suture").thread().control, run.thread.thread().control);
+}
+
 TEST(ArcNeedle, AReplayOfASutureIsTheRunBitForBit) {
   Sewing run;
   Recorder recorder(*run.solver, run.wound.scene);

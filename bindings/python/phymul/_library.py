@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Loads the C library. Its declarations are read from phymul_c.h beside it, so that the two cannot differ."""
+"""Loads the C library. Its declarations are read from the headers beside it, so that they cannot differ."""
 
 from __future__ import annotations
 
@@ -128,7 +128,8 @@ def _check(status: int, function: Any, arguments: Any) -> int:
 
 
 library = ctypes.CDLL(str(_folder / "libphymul_c.so.1"))
-_read_header((_folder / "phymul_c.h").read_text(encoding="utf-8"), library)
+for _name in ("phymul_c.h", "phymul_c_interaction.h"):
+    _read_header((_folder / _name).read_text(encoding="utf-8"), library)
 
 
 class Handle:

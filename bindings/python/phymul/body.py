@@ -167,6 +167,14 @@ class Body(Owner):
         pointers = [value.ctypes.data for value in plane] + [None] * (4 - len(plane))
         return Body(make("body", library.phymul_body_cut, self._pointer, *pointers))
 
+    @property
+    def parts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Pieces that hang together: [N] the number of each particle's piece, -1: none, and their volumes, m^3."""
+        address, volumes, counts = ctypes.c_void_p(), ctypes.c_void_p(), (ctypes.c_int32(), ctypes.c_int32())
+        library.phymul_body_parts(self._pointer, *map(ctypes.byref, (address, counts[0], volumes, counts[1])))
+        return (view(address.value, (counts[0].value,), "<i4", self._own).copy(),
+                view(volumes.value, (counts[1].value,), "<f8", self._own).copy())
+
     def with_spare_particles(self, count: int) -> Body:
         """The same body with room for the copies of so many particles, which Simulation.cut and blades need."""
         return Body(make("body", library.phymul_body_with_spare_particles, self._pointer, count))

@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 
-from ._library import Error, Owner, floats, library, make, sized, view
+from ._library import Error, Handle, Owner, floats, library, make, sized, view
 from .body import Vector
 
 if TYPE_CHECKING:
-    from .simulation import Simulation
+    from .scene import Scene
 
 Where = Any  # the name of a group, rows of particles, or a mask of N booleans
 Value = Union[float, Sequence[tuple[float, float]]]  # constant, or pairs of a time, s, and a value, linear between
@@ -51,7 +51,33 @@ class Blade:
     toughness: float = 0.0  # J/m^2
 
 
-Shape = Union[Sphere, Capsule, HalfSpace, Box, Blade]
+@dataclass(frozen=True)
+class Needle:
+    """A shaft that punctures. Straight from the tip, the tool's position, along its z axis, or an arc toward x. Limits
+    of forces, so that a force curve depends neither on step nor on speed (docs/guide/needles.md)."""
+
+    length: float = 0.15  # m
+    radius: float = 0.64e-3  # m
+    puncture: float = 2.0  # N
+    cutting: float = 0.9  # N
+    static_friction: float = 15.0  # N/m
+    kinetic_friction: float = 10.0  # N/m
+    spread: float = 0.0  # m; 0: 34 radii, at least two spacings
+    bending_stiffness: float = 0.0  # N m^2; 0: stiff
+    arc_radius: float = 0.0  # m; 0: straight
+    leaving: float = 0.0  # N
+
+
+@dataclass(frozen=True)
+class NeedleState:
+    nodes: int  # of the holes; 0: no contact
+    punctured: bool
+    through: bool  # the tip came out again
+    is_free: bool  # let go
+    slip: float  # m by which the tip has gone beyond the last node
+
+
+Shape = Union[Sphere, Capsule, HalfSpace, Box, Blade, Needle]
 
 
 @dataclass(frozen=True)
@@ -103,6 +129,17 @@ def fields_of(struct: Any) -> dict[str, Any]:
     return {name: np.array(value) if hasattr(value, "__len__") else value for name, value in values.items()}
 
 
+def constants_of(struct: str, values: Any) -> Any:
+    """A struct in which 0 stands for the default and -1 for 0. Throws Error for numbers below 0."""
+    numbers = {}
+    for field in fields(values):
+        value = getattr(values, field.name)
+        if value is not None and value < 0:
+            raise Error(f"{type(values).__name__}.{field.name}: expected 0 or more, got {value!r:.100}")
+        numbers[field.name] = 0.0 if value is None else -1.0 if value == 0 and field.default != 0 else value
+    return sized(struct, **numbers)
+
+
 def pose_of(pose: Pose) -> Any:
     return fill(sized("phymul_pose"), "a pose", position=pose.position, orientation=pose.orientation,
                  velocity=pose.velocity, spin=pose.spin)
@@ -118,7 +155,7 @@ def events_of(value: Value) -> np.ndarray:
 class Load:
     """A load of a simulation; set() changes its value, as often as you like."""
 
-    def __init__(self, simulation: Simulation, row: int) -> None:
+    def __init__(self, simulation: Scene, row: int) -> None:
         self._simulation, self._row = simulation, row
 
     def set(self, value: Value) -> None:
@@ -130,10 +167,10 @@ class Load:
 class Tool:
     """A rigid tool of a simulation."""
 
-    def __init__(self, simulation: Simulation, number: int) -> None:
+    def __init__(self, simulation: Scene, number: int) -> None:
         self._simulation, self._number = simulation, number
 
-    def _number_in(self, simulation: Simulation) -> int:
+    def _number_in(self, simulation: Scene) -> int:
         if self._simulation is not simulation:
             raise Error("expected a tool of this simulation, got one of another")
         return self._number
@@ -168,11 +205,66 @@ class Tool:
         library.phymul_tool_read_force(self._simulation._pointer, self._number, _ref(force))
         return ToolForce(**fields_of(force))
 
+    @property
+    def needle(self) -> NeedleState:
+        """Throws Error for another shape."""
+        state = sized("phymul_needle_state")
+        library.phymul_needle_read(self._simulation._pointer, self._number, _ref(state))
+        flags = {name: bool(getattr(state, name)) for name in ("punctured", "through", "is_free")}
+        return NeedleState(**{**fields_of(state), **flags})
+
+    def needle_points(self, count: int) -> np.ndarray:
+        """[count][3] points of a needle's shaft from tip to hub, m."""
+        points = np.zeros((max(count, 0), 3))
+        library.phymul_needle_points(self._simulation._pointer, self._number, count, points.ctypes.data)
+        return points
+
+
+@dataclass(frozen=True)
+class JawsReport:
+    """Of the tick before: N, and N m about the hinge, on the handle."""
+
+    angle: float  # rad, between the plates
+    grip: float  # N at the end of a plate
+    force: np.ndarray
+    torque: np.ndarray
+
+
+class Jaws:
+    """A grasper that holds by friction: Simulation.add_jaws makes it. Call follow() once before each advance()."""
+
+    def __init__(self, simulation: Scene, handle: Handle) -> None:
+        self._simulation, self._handle = simulation, handle
+        first, second = self._read().plates
+        self.first, self.second = Tool(simulation, first), Tool(simulation, second)
+
+    def _read(self) -> Any:
+        report = sized("phymul_jaws_report")
+        library.phymul_jaws_read(self._handle.pointer, self._simulation._pointer, _ref(report))
+        return report
+
+    def close(self) -> None:
+        """From the next follow() on."""
+        library.phymul_jaws_close(self._handle.pointer, 1)
+
+    def open(self) -> None:
+        library.phymul_jaws_close(self._handle.pointer, 0)
+
+    def follow(self, hinge: Pose, dt: float) -> None:
+        """Moves both plates to where they are at the end of a tick of `dt`, s, in which the hinge goes to a pose."""
+        library.phymul_jaws_follow(self._handle.pointer, self._simulation._pointer, _ref(pose_of(hinge)), dt)
+
+    @property
+    def report(self) -> JawsReport:
+        values = fields_of(self._read())
+        del values["plates"]
+        return JawsReport(**values)
+
 
 class Joint:
     """A joint of a simulation."""
 
-    def __init__(self, simulation: Simulation, number: int) -> None:
+    def __init__(self, simulation: Scene, number: int) -> None:
         self._simulation, self._number = simulation, number
 
     def set_stiffness(self, stiffness: float, damping: float = 0.0) -> None:
@@ -189,9 +281,9 @@ class Joint:
 
 
 class Skin(Owner):
-    """Points that move with the body of a simulation: Simulation.bind makes it."""
+    """Points that move with the body of a simulation: Scene.bind makes it."""
 
-    def __init__(self, simulation: Simulation, points: np.ndarray, triangles: np.ndarray) -> None:
+    def __init__(self, simulation: Scene, points: np.ndarray, triangles: np.ndarray) -> None:
         self._simulation, self._points = simulation, len(points)
         self._handle = make("skin", library.phymul_skin_create, simulation._pointer, points.ctypes.data, len(points),
                             triangles.ctypes.data, len(triangles))

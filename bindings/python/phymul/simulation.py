@@ -4,17 +4,15 @@
 from __future__ import annotations
 
 import ctypes
-import math
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 
-from ._library import (Error, ErrorCode, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of,
-                       sized, text_of, view_of)
+from ._library import Error, ErrorCode, Handle, Owner, floats, library, make, path_of, rows_of, sized, text_of, view_of
 from .body import Body, Material, Path, Vector
-from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Joint, Load, Pose, Shape, Skin, Sphere, Tool, Value, Where,
-                          events_of, fields_of, fill, pose_of)
+from .interaction import fields_of
+from .scene import Scene
 
 _ref = ctypes.byref
 
@@ -30,6 +28,10 @@ class StepReport:
     stable_step: float  # s
     residual: float  # N, largest net force on a free particle
     max_speed: float  # m/s
+    springs_broken: int  # in this call, as the next three
+    tissue_gave_way: int  # punctures below the needle's own force
+    uncut: int  # cells that a blade has passed, or that should have torn, and that could not part
+    torn: int  # cells
     message: str
 
 
@@ -65,7 +67,7 @@ class Energy:
         return self.elastic + self.kinetic + self.gravity
 
 
-class Simulation(Owner):
+class Simulation(Scene):
     """A body, or several by name, with what acts on it: `Simulation` in C++. Units are SI.
 
     One thread at a time may use it. The solver is made by the first function that needs it: add tools and loads before,
@@ -75,7 +77,8 @@ class Simulation(Owner):
                  density: float = 0.0, backend: str = "auto", damping: float = 0.0, step: float = 0.0, threads: int = 0,
                  rest_tolerance: float = 1e-8, sleep_tolerance: Optional[float] = None) -> None:
         """young: Pa, density: kg/m^3; left out, bodies keep their materials. damping: 1/s. step: largest one, as a
-        multiple of the stable step; 0: it follows the deformation. threads: of the backend "cpu", 0: as many as the body has work for."""
+        multiple of the stable step; 0: it follows the deformation. threads: of the backend "cpu", 0: as many as the
+        body has work for."""
         self._handle: Optional[Handle] = None
         options = sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
                          rest_tolerance=rest_tolerance, sleeps=sleep_tolerance is not None,
@@ -91,137 +94,21 @@ class Simulation(Owner):
             names = (ctypes.c_char_p * len(bodies))(*(name.encode() for name in body))
         self._handle = make("simulation", library.phymul_simulation_create, handles, names, len(bodies), _ref(options))
         self._body: Optional[Body] = None
+        self._body_cuts = 0
 
     @classmethod
     def _of(cls, handle: Handle) -> Simulation:
         made = cls.__new__(cls)
-        made._handle, made._body = handle, None
+        made._handle, made._body, made._body_cuts = handle, None, 0
         return made
 
     @property
     def body(self) -> Body:
         """A copy of the body, or of all bodies as one, with their materials."""
-        if self._body is None:
+        if self._body is None or self._body_cuts != self.cuts:  # blades cut, and tissue tears, in a step
+            self._body_cuts = self.cuts
             self._body = Body(make("body", library.phymul_simulation_body, self._pointer))
         return self._body
-
-    def _rows(self, where: Where) -> np.ndarray:
-        return self.body.group(where) if isinstance(where, str) else rows_of(where, self.body.particles, "particles")
-
-    # What acts on it
-
-    def fix(self, where: Where) -> Simulation:
-        """Holds a group, rows of particles or a mask of particles at rest."""
-        rows = self._rows(where)
-        library.phymul_fix_particles(self._pointer, rows.ctypes.data, len(rows))
-        return self
-
-    def scale_stiffness(self, factor: float, material: Optional[Material] = None) -> Simulation:
-        """Of a material of the body as Body.set_material returned it, or of all; always of its own stiffness."""
-        struct = _ref(material._struct) if material else None
-        library.phymul_scale_stiffness(self._pointer, struct, factor)
-        return self
-
-    def gravity(self, acceleration: Vector) -> Simulation:
-        """m/s^2."""
-        vector = floats(acceleration, (3,), "an acceleration")
-        library.phymul_gravity(self._pointer, vector.ctypes.data)
-        return self
-
-    def add_load(self, kind: str, where: Where, direction: Vector = (0.0, 0.0, 0.0), value: Value = 0.0) -> Load:
-        """kind: "force" (N, on each particle), "pressure" (Pa, inward without a direction), "acceleration" (m/s^2),
-        "translation" (m) or "rotation" (rad, about the direction); the last two impose positions."""
-        kinds = ("translation", "rotation", "force", "pressure", "acceleration")
-        if kind not in kinds:
-            raise Error(f'expected a load of {", ".join(kinds)}; got "{kind}"')
-        rows, events, row = self._rows(where), events_of(value), ctypes.c_int32()
-        vector = floats(direction, (3,), "a direction")
-        library.phymul_add_load(self._pointer, constants[kind.upper()], rows.ctypes.data, len(rows), vector.ctypes.data,
-                                events[0].ctypes.data, events[1].ctypes.data, events.shape[1], _ref(row))
-        return Load(self, row.value)
-
-    def contacts(self, friction: float = 0.3, margin: float = 0.0, self_contact: bool = True) -> Simulation:
-        """Bodies touch each other, and parts of one body."""
-        library.phymul_contacts(self._pointer, friction, margin, self_contact)
-        return self
-
-    def constrain_volume(self, group: Optional[str] = None) -> Simulation:
-        """Keeps the volume of a group, or of the whole body, at its rest value."""
-        library.phymul_constrain_volume(self._pointer, group.encode() if group else None)
-        return self
-
-    def add_tool(self, shape: Shape, pose: Pose = Pose(), *, friction: float = 0.0, compliance: float = 0.0,
-                 margin: float = 0.0, contact: str = "particles") -> Tool:
-        """contact: "particles" or "surface". compliance: m/N, margin: m."""
-        if contact not in ("particles", "surface"):
-            raise Error(f'expected the contact "particles" or "surface", got "{contact}"')
-        pose_struct = pose_of(pose)
-        options = sized("phymul_tool_options", friction=friction, compliance=compliance, margin=margin,
-                        contact=contact == "surface", pose=ctypes.addressof(pose_struct))
-        kinds = {Sphere: "SPHERE", Capsule: "CAPSULE", HalfSpace: "HALF_SPACE", Box: "BOX", Blade: "BLADE"}
-        if type(shape) not in kinds:
-            raise Error(f"expected a Sphere, Capsule, HalfSpace, Box or Blade, got {shape!r:.100}")
-        options.shape = constants[kinds[type(shape)]]
-        if isinstance(shape, (Sphere, Capsule)):
-            options.radius = shape.radius
-        if isinstance(shape, Capsule):
-            options.length = shape.length
-        if isinstance(shape, Blade):
-            options.length, options.toughness = shape.width, shape.toughness
-        if isinstance(shape, Box):
-            fill(options, "a box", half_size=shape.half_size)
-        number = ctypes.c_uint64()
-        library.phymul_tool_add(self._pointer, _ref(options), _ref(number))
-        return Tool(self, number.value)
-
-    def add_joint(self, a: Anchor, b: Anchor, stiffness: float, damping: float = 0.0, *, slack: bool = False,
-                  breaking_force: float = math.inf, rest_length: Optional[float] = None) -> Joint:
-        """A spring with a damper, N/m and N s/m. rest_length: m; left out, the distance of the anchors when added."""
-        kept, anchors = [], []
-        for anchor in (a, b):
-            struct = fill(sized("phymul_anchor"), "an anchor", point=anchor.point)
-            if anchor.particles is not None:
-                kept.append(self._rows(anchor.particles))
-                struct.particles, struct.count = kept[-1].ctypes.data, len(kept[-1])
-            elif anchor.tool is not None:
-                struct.tool = anchor.tool._number_in(self)
-            anchors.append(struct)
-        options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
-                         breaking=breaking_force, rest_length=-1.0 if rest_length is None else rest_length)
-        number = ctypes.c_uint64()
-        library.phymul_joint_add(self._pointer, _ref(anchors[0]), _ref(anchors[1]), _ref(options), _ref(number))
-        return Joint(self, number.value)
-
-    def attach(self, where: Where, to: Union[str, Tool, None] = None, *, stiffness: float, damping: float = 0.0,
-               offset: Vector = (0.0, 0.0, 0.0), breaking_stress: float = math.inf, slack: bool = False) -> Joint:
-        """A spring for each particle of a patch of the surface, to a body or group by name, to a tool, or to points of
-        the world at `offset`, m, from the particles. N/m^3, N s/m^3, Pa: per area."""
-        rows, vector = self._rows(where), floats(offset, (3,), "an offset")
-        options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
-                         breaking=breaking_stress)
-        number = ctypes.c_uint64()
-        library.phymul_attach(self._pointer, rows.ctypes.data, len(rows), to.encode() if isinstance(to, str) else None,
-                              to._number_in(self) if isinstance(to, Tool) else 0, vector.ctypes.data, _ref(options),
-                              _ref(number))
-        return Joint(self, number.value)
-
-    def hold_near(self, vertices: Any, triangles: Any, centre: Vector, radius: float, spacing: float) -> Joint:
-        """Holds the part of a surface in a ball, in all directions, whatever particles lie there. The surface may be
-        that which the body was made from; spacing, m: a third of the body's."""
-        vertices, triangles = floats(vertices, (-1, 3), "vertices"), integers(triangles, 3, "triangles")
-        middle, number = floats(centre, (3,), "a centre"), ctypes.c_uint64()
-        library.phymul_hold_near(self._pointer, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
-                                 len(triangles), middle.ctypes.data, radius, spacing, _ref(number))
-        return Joint(self, number.value)
-
-    def add_body_types(self) -> list[str]:
-        """Adds what the components of a .pml file are by their bodyType: springs, held bodies, contacts. Returns a
-        sentence for each."""
-        return text_of(library.phymul_add_body_types, self._pointer).splitlines()
-
-    def bind(self, points: Any, triangles: Any = ()) -> Skin:
-        """Points [n][3], m, that move with the body, such as the vertices of a finer surface; triangles for normals."""
-        return Skin(self, floats(points, (-1, 3), "points"), integers(triangles, 3, "triangles"))
 
     # Time
 
@@ -243,6 +130,13 @@ class Simulation(Owner):
         library.phymul_cut(self._pointer, *pointers, ctypes.byref(whether))
         self._body = None
         return bool(whether.value)
+
+    @property
+    def cuts(self) -> int:
+        """How many cuts the body has, by cut(), blades and tears."""
+        count = ctypes.c_int32()
+        library.phymul_cuts(self._pointer, _ref(count))
+        return count.value
 
     def _stepped(self, function: Any, *arguments: Any) -> StepReport:
         report = sized("phymul_step_report")

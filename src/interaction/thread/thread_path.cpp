@@ -139,6 +139,7 @@ void ThreadPath::take_over_knots() {
   std::erase_if(next_.knots,
                 [&](const KnotState& known) { return std::ranges::none_of(control_.knots, same_as(known)); });
   for (const Knot& knot : control_.knots) {
+    if (static_cast<std::size_t>(knot.b) >= passages_.size()) continue;  // a needle may make it
     const std::size_t a = point_of(knot.a), b = point_of(knot.b);
     auto own = std::ranges::find_if(next_.knots, same_as(knot));
     if (own == next_.knots.end()) {
