@@ -20,14 +20,15 @@ size = np.array((0.06, 0.03, 0.01))
 slab = phymul.make_tetrahedral_block(size, 18, 9, 3)
 slab.set_material(young=10e3, poisson=0.45, density=1000)
 middle, ticks = size[0] / 2, 60 if arguments.quick else 300
-deep = 0.4 * size[2]  # the cut goes as deep as that
+bottom = 0.4 * size[2]  # of the cut, from above
 
 
 def pulled(stitches):
     """mm: the gap at the top, tick by tick; and the sim."""
     sim = phymul.Simulation(slab.with_spare_particles(200), damping=60)
-    assert sim.cut((middle, 0, 0), (1, 0, 0), front=((0, 0, deep), (0, 0, -1)))
-    lips = [sim.bind([(middle + side, y, size[2]) for y in np.linspace(0.1, 0.9, 9) * size[1]]) for side in (-1e-4, 1e-4)]
+    assert sim.cut((middle, 0, 0), (1, 0, 0), front=((0, 0, bottom), (0, 0, -1)))
+    along = np.linspace(0.1, 0.9, 9) * size[1]
+    lips = [sim.bind([(middle + side, y, size[2]) for y in along]) for side in (-1e-4, 1e-4)]
     threads = []
     for y in (np.arange(stitches) + 0.5) / max(stitches, 1) * size[1]:
         places = [(middle + x, y, z) for x, z in ((-0.005, 0.009), (-0.002, 0.005), (0.002, 0.005), (0.005, 0.009))]
@@ -46,8 +47,9 @@ pulls = np.linspace(0, 9, ticks + 1)[1:]  # mm
 figure, (side, curve) = plt.subplots(1, 2, figsize=(11, 4.5), layout="constrained")
 for stitches in (0, 1, 3):
     sim, threads, gaps = pulled(stitches)
-    print(f"{stitches} stitches: gap {gaps[-1]:.2f} mm")
-    curve.plot(pulls, gaps, label=f"{stitches} stitches")
+    name = "1 stitch" if stitches == 1 else f"{stitches} stitches"
+    print(f"{name}: gap {gaps[-1]:.2f} mm")
+    curve.plot(pulls, gaps, label=name)
     if stitches == 0:
         open_gap = gaps[-1]
 places, triangles = 1e3 * sim.positions, sim.body.triangles

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""phymul deforms soft tissue: bodies, tools, joints, threads, fluids, skins, rest shapes, planner. Guide: docs/guide/python.md."""
+"""phymul deforms soft tissue: bodies, tools, joints, threads, fluids, skins, rest shapes, the planner.
+
+Guide: docs/guide/python.md."""
 
 from ._library import Error, ErrorCode, library as _c, text_of as _text_of
 from .body import (Body, Material, MaterialFit, body_from_arrays, fit_material, make_block, make_body, make_cylinder,

@@ -189,14 +189,16 @@ class States(Refusals):
         cut = body.cut((0.05, 0, 0), (1, 0, 0), front=((0, 0.05, 0), (0, 1, 0)))
         self.assertGreater(cut.particles, body.particles)
         self.assertAlmostEqual(cut.masses.sum() / body.masses.sum(), 1.0)
-        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "tetrahedra", phymul.make_block((1, 1, 1), 2, 2, 2).cut, (0.5, 0, 0), (1, 0, 0))
+        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "tetrahedra", phymul.make_block((1, 1, 1), 2, 2, 2).cut,
+                     (0.5, 0, 0), (1, 0, 0))
         self.assertGreater(cut.cut((0, 0.05, 0), (0, 1, 0)).particles, cut.particles)
         self.assertEqual(body.cut((1, 0, 0), (1, 0, 0)).particles, body.particles)
 
     def test_simulations_are_cut(self):
         body = phymul.make_tetrahedral_block((0.1, 0.1, 0.05), 6, 6, 3)
         body.set_material(1e4, 0.4, 1000.0)
-        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "spare", phymul.Simulation(body, backend="cpu").cut, (0.05, 0, 0), (1, 0, 0))
+        self.refused(phymul.ErrorCode.NOT_SUPPORTED, "spare", phymul.Simulation(body, backend="cpu").cut,
+                     (0.05, 0, 0), (1, 0, 0))
         sim = phymul.Simulation(body.with_spare_particles(300), backend="cpu").fix("x0").gravity((0, 0, -9.81))
         start, cells = sim.snapshot(), len(sim.body.cells)
         self.assertFalse(sim.cut((1, 0, 0), (1, 0, 0)))
