@@ -63,7 +63,16 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) modulus_.push_back(modulus_of(d));
   spare_ = spare_particles_of(model);
   std::ranges::reverse(spare_);
-  if (!spare_.empty()) spare_places_ = model.rest;
+  if (!spare_.empty()) {
+    spare_places_ = model.rest;
+    // So that no cut waits for the body's lists to be moved: about what is used until there are no spare ones left.
+    const std::size_t cells = 6 * spare_.size(), links = 60 * spare_.size();
+    model.cells.reserve(model.cells.size() + cells);
+    whole_share_.reserve(model.cells.size() + cells);
+    mass_of_corner_.reserve(model.cells.size() + cells);
+    topology.links.reserve(topology.links.size() + links);
+    topology.surface_links.reserve(topology.surface_links.size() + links);
+  }
   rate_.assign(mass_.size(), 0.0);
   for (Index i = 0; i < model.particle_count(); ++i) find_rate(i);
   largest_rate_ = std::ranges::max(rate_);
