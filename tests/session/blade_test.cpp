@@ -154,6 +154,10 @@ TEST(Blade, TissueGoesWithADullOne) {
   double last = 0.0;
   for (int tick = 0; tick < 60; ++tick) {
     ASSERT_TRUE(stroke.go_on(0.1e-3, 2e-3).ok());
+    const State now = stroke.sim.state();
+    for (const BladePoint& point : now.tools.front().blade) {  // where the way of the edge meets a cell
+      for (const double weight : point.weights) EXPECT_GT(weight, -1e-6) << tick;
+    }
     if (tick % 10 != 9 || tick < 29) continue;
     const double force = stroke.sim.force_on(stroke.blade).mean_force.x();
     EXPECT_GT(force, last + 0.02) << tick;
