@@ -16,6 +16,7 @@ BoxTree::BoxTree(const VecList& places, const std::vector<Index>& group, Index c
     if (!rows.empty()) add(places, shape, first, static_cast<Index>(items.size()));
     groups.push_back(static_cast<Index>(nodes.size()));
   }
+  keys_ = {};
 }
 
 void BoxTree::add(const VecList& places, const Shape& shape, Index first, Index end) {
@@ -33,7 +34,7 @@ void BoxTree::halve(const VecList& places, const Shape& shape, Index first, Inde
   int axis = 0;
   box.sizes().maxCoeff(&axis);
   const Index middle = first + (end - first) / 2;
-  keys_.clear();  // beside each other, where places are not
+  keys_.clear();
   for (Index k = first; k < end; ++k) keys_.emplace_back(places[items[k]][axis], items[k]);
   std::ranges::nth_element(keys_, keys_.begin() + (middle - first));
   for (Index k = first; k < end; ++k) items[k] = keys_[k - first].second;

@@ -36,7 +36,7 @@ struct BoxTree {
   void add(const VecList& places, const Shape& shape, Index first, Index end);
   void halve(const VecList& places, const Shape& shape, Index first, Index end, int halvings);
 
-  std::vector<std::pair<double, Index>> keys_;
+  std::vector<std::pair<double, Index>> keys_;  // of the node at hand: what places are compared by, beside each other
 };
 
 }  // namespace phymul
