@@ -273,8 +273,8 @@ typedef struct phymul_fluid {  // Fluid: include/phymul/fluid.h
   double outlet_pressure;  // Pa
 } phymul_fluid;
 
-// Scene::constrain_volume, of a closed surface of triangles with a name; those of phymul_constrain_volume are "volume 1"
-// and so on, by how many volumes were added. volume: m^3. fluid NULL: incompressible.
+// Scene::constrain_volume, of a closed surface of triangles with a name; those of phymul_constrain_volume are "volume
+// 1" and so on, by how many volumes were added. volume: m^3. fluid NULL: incompressible.
 PHYMUL_API phymul_status phymul_volume_add(phymul_simulation* sim, const char* name, const int32_t* triangles,
                                            int32_t triangle_count, double volume, const phymul_fluid* fluid);
 PHYMUL_API phymul_status phymul_volume_remove(phymul_simulation* sim, const char* name);
