@@ -38,9 +38,19 @@ class Builder {
 
   /// A plate behind the edge, seen from both sides.
   void operator()(const phymul::Blade& blade) {
-    const double a = 0.5 * blade.width, back = 0.5 * blade.width;
-    quad({-a, 0, 0}, {a, 0, 0}, {a, 0, back}, {-a, 0, back});
-    quad({-a, 0, back}, {a, 0, back}, {a, 0, 0}, {-a, 0, 0});
+    constexpr int strips = 16;
+    const double back = 0.5 * blade.width + std::max(0.0, blade.belly);
+    // Arcs as parabolas through their ends and middle.
+    const auto edge = [&](int k) {
+      const double x = blade.width * (static_cast<double>(k) / strips - 0.5),
+                   share = 4.0 * x * x / (blade.width * blade.width);
+      return Vec3(x, -blade.bow * share, blade.belly * share);
+    };
+    for (int k = 0; k < strips; ++k) {
+      const Vec3 a = edge(k), b = edge(k + 1), above_a(a.x(), a.y(), back), above_b(b.x(), b.y(), back);
+      quad(a, b, above_b, above_a);
+      quad(above_a, above_b, b, a);
+    }
   }
 
   void operator()(const phymul::HalfSpace&) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// Jaws: a grasper, two plates on a hinge. They close with a limited force and hold tissue by friction alone.
+// Jaws: a grasper, two plates on a hinge. They close with a limited force and hold tissue by friction alone. Or
+// scissors, two edges on a hinge.
 #pragma once
 
 #include <phymul/scene.h>
 
 #include <array>
+#include <optional>
 #include <string_view>
 
 namespace phymul {
@@ -25,9 +27,13 @@ struct JawsOptions {
   /// rad/s, > 0, with which they open, and close where nothing resists. Too fast for a stiff tissue they chatter: in a
   /// tick the force should rise by less than `grip`.
   double speed = 0.5;
+  /// J/m^2, >= 0: scissors. In place of the plates are edges (Blade) of that toughness, in the plane x = 0, which cut
+  /// toward each other; width, thickness, contact and friction are of no account. Where tissue takes more than `grip`
+  /// they do not cut it.
+  std::optional<double> toughness = {};
 };
 
-/// Two tools of a scene, boxes, and the angle between them. In each tick, call follow() and
+/// Two tools of a scene, boxes or blades, and the angle between them. In each tick, call follow() and
 /// step() once each. The scene must outlive it. Small and copyable: the angle is that of the tools' target poses, so
 /// that it comes back with a Snapshot of them, and recordings have it.
 class Jaws {
@@ -52,6 +58,8 @@ class Jaws {
   const Vec3& torque() const { return torque_; }  ///< N m about the hinge, likewise
 
  private:
+  ToolPose plate_pose(std::size_t side) const;
+
   JawsOptions options_;
   std::array<ToolHandle, 2> plates_;
   bool closes_ = false;

@@ -20,7 +20,7 @@ constexpr double in_site = -1e-9;  // least barycentric coordinate
 
 }  // namespace
 
-BladeEdge::BladeEdge(const Blade& blade, const Model& model) : blade_(blade), model_(model) {
+BladeEdge::BladeEdge(const Blade& blade, const Model& model) : blade_(blade), curve_(blade), model_(model) {
   // Without resistance there is nothing to hold.
   if (blade.toughness > 0.0) build();
 }
@@ -33,21 +33,20 @@ void BladeEdge::build() {
     site_of_row_.push_back(-1);
     if (cell.type != CellType::tetrahedron) continue;
     const Key key = key_of(cell);
-    const auto [known, is_new] = site_of_.try_emplace(key, static_cast<Index>(sites_.size()));
-    if (!is_new) {
-      sites_[known->second].further.push_back(row);
-      divided_.push_back(known->second);
+    sites_at_.resize(place_at_.size());
+    if (const Index known = site_of(key); known >= 0) {
+      sites_[known].further.push_back(row);
+      divided_.push_back(known);
       continue;
     }
     const auto site = static_cast<Index>(sites_.size());
-    sites_.push_back({row});
+    sites_.push_back({row, key});
     site_of_row_.back() = site;
-    sites_at_.resize(place_at_.size());
     std::array<Vec3, 4> x;
     for (std::size_t v = 0; v < 4; ++v) x[v] = model_.rest[cell.particles[v]];
     volume += std::abs((x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0])) / 6.0;
     for (std::size_t v = 0; v < 4; ++v) {
-      const Index own = place_of(x[v]);
+      const Index own = place_of(cell.particles[v]);
       sites_at_[own].push_back(site);
       for (std::size_t w = 0; w < v; ++w) longest_ = std::max(longest_, (x[v] - x[w]).norm());
       std::array<Index, 3> face{};
@@ -61,16 +60,29 @@ void BladeEdge::build() {
   rows_ = static_cast<Index>(model_.cells.size());
   if (sites_.empty()) return;
   spacing_ = std::cbrt(volume / static_cast<double>(place_at_.size()));
-  count_ = std::max(1, static_cast<Index>(std::ceil(points_in_spacing * blade_.width / spacing_)));
+  count_ = std::max(1, static_cast<Index>(std::ceil(points_in_spacing * curve_.length() / spacing_)));
 }
 
-Index BladeEdge::place_of(const Vec3& rest) {
-  return place_at_.try_emplace({rest.x(), rest.y(), rest.z()}, static_cast<Index>(place_at_.size())).first->second;
+Index BladeEdge::place_of(Index particle) {
+  const Vec3& rest = model_.rest[particle];
+  place_of_.resize(model_.rest.size(), -1);
+  Index& place = place_of_[particle];
+  // A copy has been that of another particle before.
+  if (place >= 0 && rest_[place] == rest) return place;
+  const auto [at, is_new] = place_at_.try_emplace({rest.x(), rest.y(), rest.z()}, static_cast<Index>(place_at_.size()));
+  if (is_new) rest_.push_back(rest);
+  return place = at->second;
+}
+
+Index BladeEdge::site_of(const Key& key) const {
+  if (key[0] >= static_cast<Index>(sites_at_.size())) return -1;
+  const auto known = std::ranges::find(sites_at_[key[0]], key, [&](Index site) { return sites_[site].key; });
+  return known == sites_at_[key[0]].end() ? -1 : *known;
 }
 
 BladeEdge::Key BladeEdge::key_of(const Cell& cell) {
   Key key{};
-  std::ranges::transform(cell.particles, key.begin(), [&](Index i) { return place_of(model_.rest[i]); });
+  std::ranges::transform(cell.particles, key.begin(), [&](Index i) { return place_of(i); });
   std::ranges::sort(key);
   return key;
 }
@@ -88,10 +100,10 @@ void BladeEdge::follow_body() {
   if (sites_.empty()) return;
   for (const Index site : divided_) std::erase_if(sites_[site].further, [&](Index row) { return row >= rows_; });
   for (Index row = rows_; row < static_cast<Index>(model_.cells.size()); ++row) {
-    const auto known = site_of_.find(key_of(model_.cells[row]));
-    if (known == site_of_.end()) continue;
-    sites_[known->second].further.push_back(row);
-    divided_.push_back(known->second);
+    const Index known = site_of(key_of(model_.cells[row]));
+    if (known < 0) continue;
+    sites_[known].further.push_back(row);
+    divided_.push_back(known);
   }
   std::ranges::sort(divided_);
   const auto again = std::ranges::unique(divided_);
@@ -202,24 +214,27 @@ void BladeEdge::restore(const std::vector<BladePoint>& state) {
 }
 
 double BladeEdge::along(Index place) const {
-  return blade_.width * ((place + 0.5) / count_ - 0.5);
+  return curve_.length() * ((place + 0.5) / count_ - 0.5);
 }
 
 Vec3 BladeEdge::edge_at(const ToolFrame& frame, Index place) const {
-  return frame.outside({along(place), 0.0, 0.0});
+  return frame.outside(curve_.at(along(place)));
+}
+
+Vec3 BladeEdge::way_at(const ToolFrame& frame, Index place) const {
+  return frame.turn * curve_.way(along(place));
 }
 
 /// Points that hold none take the tissue that they are in, where it is whole, or the next one ahead where it is cut.
 void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& end) {
   if (!looks_ || static_cast<Index>(next_.size()) == count_) return;
   look_around(touched, end);
-  const Vec3 ahead = -farthest_front * spacing_ * end.turn.col(2);
   const std::size_t held = next_.size();
   for (Index place = 0; place < count_ && !near_.empty(); ++place) {
     const auto known =
         std::ranges::find(next_.begin(), next_.begin() + static_cast<std::ptrdiff_t>(held), place, &Point::place);
     if (known != next_.begin() + static_cast<std::ptrdiff_t>(held)) continue;
-    const Vec3 edge = edge_at(end, place);
+    const Vec3 edge = edge_at(end, place), ahead = farthest_front * spacing_ * way_at(end, place);
     Point point{.place = place};
     bool in_tissue = false;
     double least = HUGE_VAL;  // share of the way ahead
@@ -252,17 +267,19 @@ void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& en
 
 /// near_: sites with tissue around the edge.
 void BladeEdge::look_around(const TouchedParticles& touched, const ToolFrame& end) {
-  const Vec3 first = edge_at(end, 0), last = edge_at(end, count_ - 1);
+  Vec3 low = edge_at(end, 0), high = low;
+  for (Index place = 1; place < count_; ++place) {
+    low = low.cwiseMin(edge_at(end, place));
+    high = high.cwiseMax(edge_at(end, place));
+  }
   near_.clear();
   found_.clear();
-  touched.step().find({.low = first.cwiseMin(last).array() - longest_, .high = first.cwiseMax(last).array() + longest_},
-                      found_);
+  touched.step().find({.low = low.array() - longest_, .high = high.array() + longest_}, found_);
   around_.clear();
   for (const Index i : found_) {
-    const Vec3& rest = model_.rest[i];
-    const auto place = place_at_.find({rest.x(), rest.y(), rest.z()});
-    if (place == place_at_.end() || place->second >= static_cast<Index>(sites_at_.size())) continue;
-    around_.insert(around_.end(), sites_at_[place->second].begin(), sites_at_[place->second].end());
+    const Index place = place_of(i);
+    if (place >= static_cast<Index>(sites_at_.size())) continue;
+    around_.insert(around_.end(), sites_at_[place].begin(), sites_at_[place].end());
   }
   std::ranges::sort(around_);
   const auto again = std::ranges::unique(around_);
@@ -281,7 +298,9 @@ void BladeEdge::look_around(const TouchedParticles& touched, const ToolFrame& en
 /// Whether it still holds its tissue.
 bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const ToolFrame& end, Acting& acting) const {
   const Site& site = sites_[point.site];
-  const Vec3 way = -end.turn.col(2);
+  const Vec3 way = acting.way = way_at(end, point.place);
+  const double length = curve_.length() / count_ * curve_.stretch(along(point.place));  // m, of edge
+  acting.limit = blade_.toughness * length * touched.dt();
   acting.front = edge_at(end, point.place) + point.ahead * way;
   acting.corners.clear();
   double parts = 0.0;
@@ -313,14 +332,15 @@ bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const Tool
 void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& force) {
   if (sites_.empty()) return;
   const ToolFrame end(pose);
-  const Vec3 way = -end.turn.col(2);
-  const double dt = touched.dt(), limit = blade_.toughness * blade_.width / count_ * dt;
+  const double dt = touched.dt();
   next_ = points_;
   find_tissue(touched, end);
   acting_.resize(next_.size());
   std::size_t kept = 0;
   for (std::size_t k = 0; k < next_.size(); ++k) {
-    if (!is_whole(sites_[next_[k].site])) go_on(touched, edge_at(end, next_[k].place), way, next_[k]);
+    if (!is_whole(sites_[next_[k].site])) {
+      go_on(touched, edge_at(end, next_[k].place), way_at(end, next_[k].place), next_[k]);
+    }
     if (next_[k].site < 0) continue;
     if (!couple(touched, next_[k], end, acting_[kept])) continue;
     next_[kept++] = next_[k];
@@ -328,16 +348,16 @@ void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& 
   next_.resize(kept);
   const auto push = [&](const Acting& acting, double impulse) {
     for (const auto& [slot, weight] : acting.corners) {
-      if (!touched[slot].held) TouchedParticles::push(touched[slot], weight * impulse * way);
+      if (!touched[slot].held) TouchedParticles::push(touched[slot], weight * impulse * acting.way);
     }
   };
   for (int sweep = 0; sweep < edge_sweeps; ++sweep) {
     for (std::size_t k = 0; k < kept; ++k) {
       Acting& acting = acting_[k];
       if (!(acting.inverse_mass > 0.0)) continue;
-      double gap = way.dot(acting.front);
-      for (const auto& [slot, weight] : acting.corners) gap -= weight * way.dot(touched[slot].end(dt));
-      const double to = std::clamp(acting.impulse + gap / (dt * acting.inverse_mass), 0.0, limit);
+      double gap = acting.way.dot(acting.front);
+      for (const auto& [slot, weight] : acting.corners) gap -= weight * acting.way.dot(touched[slot].end(dt));
+      const double to = std::clamp(acting.impulse + gap / (dt * acting.inverse_mass), 0.0, acting.limit);
       push(acting, to - acting.impulse);
       acting.impulse = to;
     }
@@ -349,17 +369,17 @@ void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& 
     for (const auto& [slot, weight] : acting.corners) {
       const TouchedParticles::Touched& particle = touched[slot];
       if (acting.impulse == 0.0 || particle.held) continue;
-      const Vec3 given = particle.free_part(weight * acting.impulse * way);
+      const Vec3 given = particle.free_part(weight * acting.impulse * acting.way);
       force.force -= given / dt;
       force.torque -= (particle.position - end.position).cross(given) / dt;
       found_.push_back(particle.particle);
     }
     Point& point = next_[k];
-    point.slides = acting.impulse >= limit;
+    point.slides = acting.impulse >= acting.limit;
     if (point.slides) {
-      double by = way.dot(acting.front);
-      for (const auto& [slot, weight] : acting.corners) by -= weight * way.dot(touched[slot].end(dt));
-      slide(touched, edge_at(end, point.place), way, std::max(0.0, by), point);
+      double by = acting.way.dot(acting.front);
+      for (const auto& [slot, weight] : acting.corners) by -= weight * acting.way.dot(touched[slot].end(dt));
+      slide(touched, edge_at(end, point.place), acting.way, std::max(0.0, by), point);
     }
     if (point.site >= 0) next_[left++] = point;
   }

@@ -18,6 +18,7 @@
 
 #include "predicted_step.h"
 #include "tool_frame.h"
+#include "tool_shape.h"
 
 namespace phymul {
 
@@ -37,10 +38,12 @@ class BladeEdge {
   double reach() const { return longest_; }  ///< m: it looks for tissue so far around
 
  private:
-  using Weights = Eigen::Vector4d;  // barycentric coordinates
+  using Weights = Eigen::Vector4d;   // barycentric coordinates
+  using Key = std::array<Index, 4>;  // places of a cell's vertices, ascending
   /// A tetrahedron of the mesh at rest with all rows that cuts have made of it, whose vertices are in one order.
   struct Site {
     Index row = -1;
+    Key key{};
     std::vector<Index> further{};
     std::array<Index, 4> beyond{-1, -1, -1, -1};  // the site across the face opposite each vertex
   };
@@ -54,15 +57,17 @@ class BladeEdge {
   /// A point in one step.
   struct Acting {
     Vec3 front{0, 0, 0};                                    // m, where the blade wants it at the step's end
+    Vec3 way{0, 0, 0};                                      // in which it cuts there
+    double limit = 0.0;                                     // N s
     std::vector<std::pair<std::size_t, double>> corners{};  // slots, each once, and weights
     double inverse_mass = 0.0;                              // 1/kg, of the point along the way that it cuts
     double impulse = 0.0;                                   // N s so far
   };
-  using Key = std::array<Index, 4>;
 
   void build();
   Key key_of(const Cell& cell);
-  Index place_of(const Vec3& rest);
+  Index place_of(Index particle);
+  Index site_of(const Key& key) const;  // -1: none
   template <class Visit>
   void each_part(const Site& site, Visit visit) const;
   bool has_tissue(const Site& site) const;
@@ -77,17 +82,20 @@ class BladeEdge {
   void slide(const TouchedParticles& touched, const Vec3& edge, const Vec3& way, double by, Point& point) const;
   double along(Index place) const;  // m, from the middle of the edge
   Vec3 edge_at(const ToolFrame& frame, Index place) const;
+  Vec3 way_at(const ToolFrame& frame, Index place) const;
   void look_around(const TouchedParticles& touched, const ToolFrame& end);
   void find_tissue(const TouchedParticles& touched, const ToolFrame& end);
   bool couple(TouchedParticles& touched, const Point& point, const ToolFrame& end, Acting& acting) const;
 
   Blade blade_;
+  BladeCurve curve_;
   const Model& model_;
   double spacing_ = 0.0, longest_ = 0.0;  // m, of the mesh, and its longest edge
   Index count_ = 0;                       // points along the edge
   std::vector<Site> sites_;
-  std::map<Key, Index> site_of_;                     // by the places of its vertices, ascending
   std::map<std::array<double, 3>, Index> place_at_;  // numbers of places at rest: copies are at one
+  std::vector<Index> place_of_;                      // [N] of particles as far as they were asked for, else -1
+  VecList rest_;                                     // m, by place
   std::vector<std::vector<Index>> sites_at_;         // by place
   Index rows_ = 0;                                   // of Model::cells when it was built
   std::vector<Index> site_of_row_;                   // [rows_], -1

@@ -25,16 +25,29 @@ void require(const JawsOptions& options) {
   require(options.grip > 0.0, "a grip (N) above 0", options.grip);
   require(options.opening > 0.0 && options.opening <= 3.0, "an opening above 0 and of at most 3 rad", options.opening);
   require(options.speed > 0.0, "a speed (rad/s) above 0", options.speed);
+  if (options.toughness) require(*options.toughness >= 0.0, "a toughness (J/m^2) of 0 or more", *options.toughness);
+}
+
+/// From a tool's axes to those of its plate: a blade has its edge along z and cuts toward the other one.
+Eigen::Quaterniond axes_of(const JawsOptions& options, std::size_t side) {
+  if (!options.toughness) return Eigen::Quaterniond::Identity();
+  Mat3 axes;
+  axes << 0, side_of[side], 0, 0, 0, side_of[side], 1, 0, 0;
+  return Eigen::Quaterniond(axes);
+}
+
+/// m, from the hinge to the middle of a plate at the angle 0, in the plate's axes.
+Vec3 middle_of(const JawsOptions& options, std::size_t side) {
+  return {0.0, options.toughness ? 0.0 : 0.5 * side_of[side] * options.thickness, -0.5 * options.length};
 }
 
 /// The plate of the side that lies on the plane y = 0, turned about the hinge by half of the angle.
 ToolPose plate_at(const JawsOptions& options, const ToolPose& hinge, std::size_t side, double angle) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.5 * side_of[side] * angle, Vec3::UnitX()));
-  const Vec3 middle(0.0, 0.5 * side_of[side] * options.thickness, -0.5 * options.length);
   const Eigen::Quaterniond frame(hinge.orientation.normalized());
   ToolPose pose = hinge;
-  pose.orientation = Quaternion(frame * turn);
-  pose.position = hinge.position + frame * (turn * middle);
+  pose.orientation = Quaternion(frame * turn * axes_of(options, side));
+  pose.position = hinge.position + frame * (turn * middle_of(options, side));
   pose.velocity += hinge.spin.cross(pose.position - hinge.position);
   return pose;
 }
@@ -43,8 +56,10 @@ std::array<ToolHandle, 2> add_plates(Scene& scene, const std::string& name, cons
                                      const ToolPose& hinge) {
   require(options);
   const auto plate = [&](std::size_t side) {
+    const ToolPose pose = plate_at(options, hinge, side, options.opening);
+    if (options.toughness) return Tool{.shape = Blade{options.length, *options.toughness}, .pose = pose};
     return Tool{.shape = Box{0.5 * Vec3(options.width, options.thickness, options.length)},
-                .pose = plate_at(options, hinge, side, options.opening),
+                .pose = pose,
                 .friction = options.friction,
                 .contact = options.contact};
   };
@@ -62,18 +77,24 @@ std::array<ToolHandle, 2> add_plates(Scene& scene, const std::string& name, cons
 Jaws::Jaws(Scene& scene, std::string_view name, const JawsOptions& options, const ToolPose& hinge)
     : options_(options), plates_(add_plates(scene, std::string(name), options, hinge)) {}
 
+/// Of a plate's own axes at the end of the tick.
+ToolPose Jaws::plate_pose(std::size_t side) const {
+  ToolPose pose = plates_[side].target_pose();
+  pose.orientation = Quaternion(Eigen::Quaterniond(pose.orientation) * axes_of(options_, side).conjugate());
+  return pose;
+}
+
 double Jaws::angle() const {
-  return plates_[0].target_pose().orientation.angularDistance(plates_[1].target_pose().orientation);
+  return plate_pose(0).orientation.angularDistance(plate_pose(1).orientation);
 }
 
 void Jaws::follow(const ToolPose& hinge, const ToolForce& on_first, const ToolForce& on_second, double dt) {
   require(dt >= 0.0, "a tick (s) of 0 or more", dt);
   // What the plates feel is of the tick before, and so is the hinge that it turned them about.
-  const ToolPose& at = plates_[0].target_pose();
+  const ToolPose at = plate_pose(0);
   const double before = angle();
   const Eigen::Quaterniond frame(Eigen::Quaterniond(at.orientation) * Eigen::AngleAxisd(-0.5 * before, Vec3::UnitX()));
-  const Vec3 middle(0.0, 0.5 * options_.thickness, -0.5 * options_.length);
-  const Vec3 joint = at.position - Eigen::Quaterniond(at.orientation) * middle;
+  const Vec3 joint = at.position - Eigen::Quaterniond(at.orientation) * middle_of(options_, 0);
   force_ = torque_ = Vec3::Zero();
   double opens = 0.0;  // N m
   for (std::size_t side = 0; side < 2; ++side) {

@@ -44,7 +44,13 @@ ToolExtent extent(const Needle& needle) {  // its shaft, or the whole circle
   return {.high = {0, 0, needle.length}};
 }
 ToolExtent extent(const Blade& blade) {  // its edge
-  return {.low = {-0.5 * blade.width, 0, 0}, .high = {0.5 * blade.width, 0, 0}};
+  return {.low = {-0.5 * blade.width, std::min(0.0, -blade.bow), std::min(0.0, blade.belly)},
+          .high = {0.5 * blade.width, std::max(0.0, -blade.bow), std::max(0.0, blade.belly)}};
+}
+
+/// m, of the circle over a chord whose middle is so far from the arc; with the sign of `sagitta`, 0 for none.
+double radius_over(double chord, double sagitta) {
+  return sagitta == 0.0 ? 0.0 : 0.5 * (0.25 * chord * chord / sagitta + sagitta);
 }
 
 /// m: how far a point of the triangle can be from its nearest corner. Where no angle is obtuse that point is the centre
@@ -66,6 +72,51 @@ double covering_radius(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 }  // namespace
+
+BladeCurve::BladeCurve(const Blade& blade) : length_(blade.width), radius_(radius_over(blade.width, blade.bow)) {
+  if (radius_ != 0.0)
+    length_ = 2.0 * std::abs(radius_) * std::asin(std::min(1.0, 0.5 * blade.width / std::abs(radius_)));
+  bend_ = radius_over(length_, blade.belly);
+}
+
+double BladeCurve::slope(double along) const {
+  if (bend_ == 0.0) return 0.0;
+  return along / std::copysign(std::sqrt(std::max(bend_ * bend_ - along * along, 1e-12 * bend_ * bend_)), bend_);
+}
+
+/// As a line from the ends of the arc on.
+double BladeCurve::behind(double along) const {
+  if (bend_ == 0.0) return 0.0;
+  const double u = std::clamp(along, -0.5 * length_, 0.5 * length_);
+  return bend_ - std::copysign(std::sqrt(std::max(0.0, bend_ * bend_ - u * u)), bend_);
+}
+
+Vec3 BladeCurve::at(double along) const {
+  if (radius_ == 0.0) return {along, 0.0, behind(along)};
+  const double angle = along / radius_;
+  return {radius_ * std::sin(angle), radius_ * (std::cos(angle) - 1.0), behind(along)};
+}
+
+Vec3 BladeCurve::way(double along) const {
+  const double tilt = slope(along), angle = radius_ == 0.0 ? 0.0 : along / radius_;
+  return Vec3(tilt * std::cos(angle), -tilt * std::sin(angle), -1.0) / std::sqrt(1.0 + tilt * tilt);
+}
+
+double BladeCurve::stretch(double along) const {
+  const double tilt = slope(along);
+  return std::sqrt(1.0 + tilt * tilt);
+}
+
+Vec3 BladeCurve::unrolled(const Vec3& x) const {
+  Vec3 unrolled = x;
+  if (radius_ != 0.0) {
+    const double side = std::copysign(1.0, radius_), out = x.y() + radius_;
+    unrolled.x() = std::abs(radius_) * std::atan2(x.x(), side * out);
+    unrolled.y() = side * std::hypot(x.x(), out) - radius_;
+  }
+  unrolled.z() -= behind(unrolled.x());
+  return unrolled;
+}
 
 ToolExtent extent_of(const Tool& tool) {
   ToolExtent own = std::visit([](const auto& shape) { return extent(shape); }, tool.shape);

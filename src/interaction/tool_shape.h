@@ -22,6 +22,27 @@ struct ToolExtent {
 
 ToolExtent extent_of(const Tool& tool);
 
+/// The edge of a blade in the tool's frame. `along`: m, along the edge as seen along z, from its middle.
+class BladeCurve {
+ public:
+  explicit BladeCurve(const Blade& blade);
+  double length() const { return length_; }  ///< m, as seen along z
+  Vec3 at(double along) const;
+  /// The unit vector across the edge in the surface that it cuts.
+  Vec3 way(double along) const;
+  /// Length of the edge over its length as seen along z.
+  double stretch(double along) const;
+  /// m: along the edge, off the surface that it cuts, behind the edge.
+  Vec3 unrolled(const Vec3& x) const;
+
+ private:
+  double slope(double along) const;
+  double behind(double along) const;
+
+  double length_ = 0.0;
+  double bend_ = 0.0, radius_ = 0.0;  // m, radii of belly and bow with their signs; 0: straight
+};
+
 /// m: a ball of this radius goes wherever the shape goes through a surface, 0 for a DistanceGrid; empty for a HalfSpace
 /// a Needle and a Blade, which do not go through.
 std::optional<double> least_radius(const ToolShape& shape);

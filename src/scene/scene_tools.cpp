@@ -93,6 +93,12 @@ struct ShapeCheck {
   void operator()(const Blade& blade) const {
     require_size(tool, "width", blade.width);
     require_not_negative(label(tool), "toughness (J/m^2)", blade.toughness);
+    // An arc of more than half a circle meets itself along z.
+    for (const auto& [what, got] : {std::pair{"belly", blade.belly}, {"bow", blade.bow}}) {
+      if (std::abs(got) <= 0.5 * blade.width) continue;
+      throw Error(label(tool) + "expected a " + what + " (m) of at most half the width, " +
+                  to_decimal(0.5 * blade.width) + ", got " + to_decimal(got));
+    }
   }
 };
 

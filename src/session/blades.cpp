@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 #include <utility>
 
 #include "interaction/tool_frame.h"
+#include "interaction/tool_shape.h"
 #include "model/cell_geometry.h"
 #include "simulation_parts.h"
 
@@ -25,36 +25,58 @@ constexpr double longest_edge = 2.0;
 /// Of distances of a cell's corners from a cut and from a blade: the correlation above which the two are one cut.
 constexpr double parallel = 0.8;
 
-/// The edge of a blade at one instant, and where it has been since the last time, in its own frame.
+/// The edge of a blade at one instant, and where it has been since the last time, along its curve.
 class EdgeNow {
  public:
   EdgeNow(const Blade& blade, const ToolPose& pose, const ToolPose& last, const Model& model, const BodyEdit& edit,
           const VecList& position, const std::vector<BladePoint>& points)
-      : blade_(blade), model_(model), edit_(edit), points_(points), spacing_(edit.spacing()) {
-    const ToolFrame frame(pose);
-    behind_ = spacing_ + std::max(0.0, frame.inside(last.position).z());
-    place_.reserve(position.size());
-    for (const Vec3& x : position) place_.push_back(frame.inside(x));
+      : blade_(blade),
+        curve_(blade),
+        model_(model),
+        edit_(edit),
+        points_(points),
+        frame_(pose),
+        position_(position),
+        spacing_(edit.spacing()),
+        place_(position.size(), Vec3::Constant(NAN)),
+        distance_(position.size(), NAN) {
+    const ToolFrame before(last);
+    for (const double share : {-0.5, 0.0, 0.5}) {
+      const Vec3 edge = curve_.unrolled(frame_.inside(before.outside(curve_.at(share * curve_.length()))));
+      behind_ = std::max(behind_, edge.z());
+    }
+    behind_ += spacing_;
   }
 
-  /// Rows of cells that its plane crosses around it, ascending.
-  std::vector<Index> cells() const {
+  /// Rows of cells that its plane crosses around it and whose middle it can have passed, ascending.
+  std::vector<Index> cells(const ToolExtent& extent) const {
     const double around = longest_edge * spacing_, off = same_front * spacing_;
-    const Vec3 high(0.5 * blade_.width + around, around, behind_ + around);
-    const Vec3 low(-high.x(), -high.y(), -around);
+    const Vec3 low = extent.low.array() - around, high = extent.high + Vec3(around, around, behind_ + around);
+    const Vec3 middle = frame_.outside(0.5 * (low + high));
+    const double reach = 0.5 * (high - low).norm();
     std::vector<Index> found;
     std::vector<char> seen(model_.cells.size(), 0);
-    for (std::size_t i = 0; i < place_.size(); ++i) {
-      if ((place_[i].array() < low.array()).any() || (place_[i].array() > high.array()).any()) continue;
+    for (std::size_t i = 0; i < position_.size(); ++i) {
+      if (!((position_[i] - middle).squaredNorm() < reach * reach)) continue;
+      const Vec3 q = frame_.inside(position_[i]);
+      if ((q.array() < low.array()).any() || (q.array() > high.array()).any()) continue;
       for (const Index row : edit_.cells_of()[i]) {
-        if (std::exchange(seen[row], 1) != 0 || model_.cells[row].share == 0.0) continue;
-        const auto crossed = [&](const auto& y, double by) {
-          const auto [least, most] = std::ranges::minmax(model_.cells[row].particles, {}, y);
-          return y(least) <= by && y(most) >= -by;
+        const Cell& cell = model_.cells[row];
+        if (std::exchange(seen[row], 1) != 0 || cell.share == 0.0) continue;
+        const auto between = [&](double least, double most, const auto& of) {
+          double first = HUGE_VAL, last = -HUGE_VAL;
+          for (const Index k : cell.particles) {
+            const double value = of(k);
+            first = std::min(first, value);
+            last = std::max(last, value);
+          }
+          return first <= most && last >= least;
         };
         // First without the cuts around, which can move it by so much.
-        if (crossed([&](Index k) { return place_[k].y(); }, off) &&
-            crossed([&](Index k) { return distance(k); }, 0.0)) {
+        if (between(-off, off, [&](Index k) { return place(k).y(); }) &&
+            between(-0.5 * curve_.length(), 0.5 * curve_.length(), [&](Index k) { return place(k).x(); }) &&
+            between(-lead_of_front * spacing_, behind_, [&](Index k) { return place(k).z(); }) && !is_cut_here(cell) &&
+            between(0.0, 0.0, [&](Index k) { return distance(k); })) {
           found.push_back(row);
         }
       }
@@ -64,36 +86,42 @@ class EdgeNow {
   }
 
   double distance(Index i) const {
-    const auto [known, is_new] = distance_.try_emplace(i, 0.0);
-    if (is_new) known->second = found_distance(i);
-    return known->second;
+    if (std::isnan(distance_[i])) distance_[i] = found_distance(i);
+    return distance_[i];
   }
 
   bool passed(Index row, const Eigen::Vector4d& middle) const {
     Vec3 q = Vec3::Zero();
     for (std::size_t v = 0; v < 4; ++v) {
-      q += middle[static_cast<Eigen::Index>(v)] * place_[model_.cells[row].particles[v]];
+      q += middle[static_cast<Eigen::Index>(v)] * place(model_.cells[row].particles[v]);
     }
-    return std::abs(q.x()) < 0.5 * blade_.width && q.z() > -lead_of_front * spacing_ && q.z() < behind_ &&
-           std::abs(q.y()) < same_front * spacing_ && overcomes(q.x()) && !is_cut_here(model_.cells[row]);
+    return std::abs(q.x()) < 0.5 * curve_.length() && q.z() > -lead_of_front * spacing_ && q.z() < behind_ &&
+           std::abs(q.y()) < same_front * spacing_ && overcomes(q);
   }
 
  private:
-  /// Whether tissue at this place along the edge has got all the force that it can bear.
-  bool overcomes(double along) const {
+  /// m, as BladeCurve::unrolled().
+  const Vec3& place(Index i) const {
+    if (std::isnan(place_[i].x())) place_[i] = curve_.unrolled(frame_.inside(position_[i]));
+    return place_[i];
+  }
+
+  /// Whether tissue at this place has got all the force that it can bear; or the edge has gone by and holds none there,
+  /// because it comes out of the body.
+  bool overcomes(const Vec3& at) const {
     if (blade_.toughness == 0.0) return true;
     const BladePoint* nearest = nullptr;
     for (const BladePoint& point : points_) {
-      const double apart = std::abs(point.along - along);
-      if (apart < spacing_ && (nearest == nullptr || apart < std::abs(nearest->along - along))) nearest = &point;
+      const double apart = std::abs(point.along - at.x());
+      if (apart < spacing_ && (nearest == nullptr || apart < std::abs(nearest->along - at.x()))) nearest = &point;
     }
-    return nearest != nullptr && nearest->slides;
+    return nearest == nullptr ? at.z() > 0.0 : nearest->slides;
   }
 
   /// Whether a cut of the cell is this one, although tissue has moved since.
   bool is_cut_here(const Cell& cell) const {
     std::array<double, 4> own{};
-    for (std::size_t v = 0; v < 4; ++v) own[v] = place_[cell.particles[v]].y();
+    for (std::size_t v = 0; v < 4; ++v) own[v] = place(cell.particles[v]).y();
     return std::ranges::any_of(cell.cuts, [&](const CellCut& cut) {
       double product = 0.0, of_cut = 0.0, of_own = 0.0;
       for (std::size_t v = 0; v < 4; ++v) {
@@ -115,16 +143,13 @@ class EdgeNow {
   }
 
   double found_distance(Index i) const {
-    const double own = place_[i].y();
-    double shortest = HUGE_VAL, nearest = 1.0, of_cut = own;
+    const double own = place(i).y();
+    double nearest = 1.0, of_cut = own;
     for (const Index row : edit_.cells_of()[i]) {
       const Cell& cell = model_.cells[row];
-      for (const Index j : cell.particles) {
-        if (j != i) shortest = std::min(shortest, (model_.rest[i] - model_.rest[j]).norm());
-      }
       if (cell.cuts.empty()) continue;
       Eigen::Vector4d y;
-      for (std::size_t v = 0; v < 4; ++v) y[static_cast<Eigen::Index>(v)] = place_[cell.particles[v]].y();
+      for (std::size_t v = 0; v < 4; ++v) y[static_cast<Eigen::Index>(v)] = place(cell.particles[v]).y();
       for (const CellCut& cut : cell.cuts) {
         const Eigen::Vector4d values(cut.data());
         const std::ptrdiff_t at = std::ranges::find(cell.particles, i) - cell.particles.begin();
@@ -141,17 +166,29 @@ class EdgeNow {
       }
     }
     if (nearest < 1.0) return of_cut;
-    return std::abs(own) < on_cut_surface * shortest ? 0.0 : own;
+    return is_at_the_surface(i, own) ? 0.0 : own;
+  }
+
+  bool is_at_the_surface(Index i, double own) const {
+    for (const Index row : edit_.cells_of()[i]) {
+      for (const Index j : model_.cells[row].particles) {
+        if (j != i && !(std::abs(own) < on_cut_surface * (model_.rest[i] - model_.rest[j]).norm())) return false;
+      }
+    }
+    return true;
   }
 
   const Blade& blade_;
+  const BladeCurve curve_;
   const Model& model_;
   const BodyEdit& edit_;
   const std::vector<BladePoint>& points_;
+  const ToolFrame frame_;
+  const VecList& position_;  // [N] m
   const double spacing_;
-  double behind_ = 0.0;  // m, that the edge may have gone since the last time
-  VecList place_;        // [N] m, of particles in the blade's frame
-  mutable std::unordered_map<Index, double> distance_;
+  double behind_ = 0.0;                   // m, that the edge may have gone since the last time
+  mutable VecList place_;                 // [N] m, NaN: not asked for yet
+  mutable std::vector<double> distance_;  // [N] m, likewise
 };
 
 }  // namespace
@@ -167,7 +204,7 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     const ToolPose& pose = solver().tool_pose(tool.name);
     const ToolPose last = std::exchange(blade_poses.try_emplace(tool.id, pose).first->second, pose);
     const EdgeNow edge(*blade, pose, last, model, body_edit(), now.position, own->blade);
-    const std::vector<Index> cells = edge.cells();
+    const std::vector<Index> cells = edge.cells(extent_of(tool.tool));
     if (cells.empty()) continue;
     if (solver().substeps() > 1) {
       report.uncut += static_cast<int>(cells.size());

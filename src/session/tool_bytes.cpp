@@ -67,10 +67,22 @@ void arc_fields(Bytes& bytes, Any& needle) {
   bytes.field(needle.leaving, "force to come out");
 }
 
+/// What files of straight blades do not have.
+template <class Bytes, class Any>
+void curve_fields(Bytes& bytes, Any& blade) {
+  bytes.field(blade.belly, "belly of a blade");
+  bytes.field(blade.bow, "bow of a blade");
+}
+
 ToolShape take_shape(ByteReader& in, ShapeKind kind) {
   if (kind == arc_needle) {
     ToolShape shape = take_members<Needle>(in);
     arc_fields(in, std::get<Needle>(shape));
+    return shape;
+  }
+  if (kind == curved_blade) {
+    ToolShape shape = take_members<Blade>(in);
+    curve_fields(in, std::get<Blade>(shape));
     return shape;
   }
   switch (kind) {
@@ -149,7 +161,9 @@ void require_one_each(const ByteReader& in, std::size_t items, std::size_t parti
 void tool_fields(ByteWriter& out, const Tool& tool) {
   const auto* const needle = std::get_if<Needle>(&tool.shape);
   const bool is_arc = needle && (needle->arc_radius != 0.0 || needle->leaving != 0.0);
-  code(out, is_arc ? arc_needle : kind_of(tool.shape), "");
+  const auto* const blade = std::get_if<Blade>(&tool.shape);
+  const bool is_curved = blade && (blade->belly != 0.0 || blade->bow != 0.0);
+  code(out, is_arc ? arc_needle : is_curved ? curved_blade : kind_of(tool.shape), "");
   std::visit(
       [&](const auto& shape) {
         if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, std::shared_ptr<const DistanceGrid>>) {
@@ -160,6 +174,7 @@ void tool_fields(ByteWriter& out, const Tool& tool) {
       },
       tool.shape);
   if (is_arc) arc_fields(out, *needle);
+  if (is_curved) curve_fields(out, *blade);
   law_fields(out, tool);
 }
 

@@ -3,12 +3,14 @@
 // Blades: what they cut, with which force, and that every backend, snapshots and recordings have them.
 #include <gtest/gtest.h>
 #include <phymul/bodies.h>
+#include <phymul/jaws.h>
 #include <phymul/monitor.h>
 #include <phymul/phymul.h>
 
 #include <algorithm>
 #include <numeric>
 
+#include "model/cell_geometry.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -145,6 +147,91 @@ TEST(Blade, WorkPerAreaIsTheToughnessAlsoUnderTension) {
       if (tick >= 400) work += by * sim.force_on(blade).mean_force.x();
     }
     EXPECT_NEAR(work / (450 * by * thickness * toughness), 1.0, 0.05) << stretch;
+  }
+}
+
+/// A loop of wire goes along a slab's upper side with its ends above it: what it takes off is a half round, and the
+/// force that of its length in tissue. A belly alters neither the cut nor the force.
+TEST(Blade, AlongAnArcTakesOffAHalfRound) {
+  constexpr double radius = 0.012, above = 0.002, toughness = 20.0, by = 0.1e-3;
+  for (const double belly : {0.0, 0.006, -0.004}) {
+    SCOPED_TRACE(belly);
+    Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.02}, 15, 10, 5, 0.25, 7), 1500),
+                   {.material = {2e4, 0.45, 1000.0}, .backend = "cpu", .damping = {.rate = 40.0}});
+    sim.scene().fix("z0");
+    Mat3 axes;  // along -x, with the ends upward and the middle below them
+    axes << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    ToolPose pose{.position = {0.068, 0.0205, 0.02 + above - radius}, .orientation = Quaternion(axes)};
+    const ToolHandle loop = sim.scene().add_tool(
+        "loop",
+        {.shape = Blade{.width = 2.0 * radius, .toughness = toughness, .belly = belly, .bow = -radius}, .pose = pose});
+    std::vector<double> forces;
+    for (int tick = 0; tick < 820; ++tick) {
+      pose.position.x() -= by;
+      loop.move_to(pose);
+      const StepReport report = sim.advance(1e-3);
+      ASSERT_TRUE(report.ok()) << report.message();
+      ASSERT_EQ(report.uncut, 0);
+      if (tick > 250 && tick < 550) forces.push_back(sim.force_on(loop).mean_force.x());
+    }
+    const double below = std::acos(above / radius);  // rad, half of the arc that is in tissue
+    const double force = std::accumulate(forces.begin(), forces.end(), 0.0) / static_cast<double>(forces.size());
+    const auto pieces = connected_bodies(sim.model());
+    ASSERT_GE(pieces.size(), 2u);
+    EXPECT_NEAR(force / (toughness * 2.0 * radius * below), 1.0, 0.05);
+    const double section = radius * radius * (below - 0.5 * std::sin(2.0 * below));
+    EXPECT_NEAR(pieces[1].volume / (0.06 * section), 1.0, 0.05);
+    for (std::size_t crumb = 2; crumb < pieces.size(); ++crumb)
+      EXPECT_LT(pieces[crumb].volume, 1e-3 * pieces[1].volume);
+  }
+}
+
+/// A slab is cut by scissors that close around it, where they are strong enough, up to their ends. Each edge cuts ahead
+/// of itself by 0.3 spacings and half a cell, so that the work is short of the area's by 0.8 spacings of each way.
+TEST(Blade, TwoOnAHingeAreScissors) {
+  constexpr double thickness = 0.012, length = 0.024, toughness = 20.0, tick = 1e-3, spacing = 0.003;
+  for (const double grip : {2.0, 0.1}) {
+    Simulation sim(with_spare_particles(make_tetrahedral_block({0.04, 0.03, thickness}, 13, 10, 4, 0.25, 7), 1500),
+                   {.material = {1e5, 0.45, 1000.0}, .backend = "cpu", .damping = {.rate = 40.0}});
+    sim.scene().fix("y0").fix("y1");
+    Mat3 axes;  // into the slab along -x, opening along z, in the plane y = 15.3 mm
+    axes << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+    const ToolPose hinge{.position = {0.05, 0.0153, 0.5 * thickness}, .orientation = Quaternion(axes)};
+    const double inside = length - 0.01;  // m, of the edges, to x = 26 mm
+    Jaws scissors(sim.scene(), "scissors",
+                  {.length = length, .grip = grip, .opening = 1.9, .speed = 1.0, .toughness = toughness}, hinge);
+    scissors.close();
+    double work = 0.0, angle = scissors.angle();
+    for (int k = 0; k < 2000; ++k) {
+      scissors.follow(hinge, sim.force_on(scissors.first()), sim.force_on(scissors.second()), tick);
+      const StepReport report = sim.advance(tick);
+      ASSERT_TRUE(report.ok()) << report.message();
+      ASSERT_EQ(report.uncut, 0);
+      work += length * scissors.grip() * (angle - scissors.angle());
+      angle = scissors.angle();
+      ASSERT_LT(scissors.force().norm(), 0.3) << k;  // the edges act against each other
+    }
+    double farthest = 1.0;  // m
+    int whole = 0;
+    for (const Cell& cell : sim.model().cells) {
+      if (cell.share == 0.0) continue;
+      const Vec3 at = cell_centre(cell, sim.model().rest);
+      if (!cell.cuts.empty()) farthest = std::min(farthest, at.x());
+      const auto [low, high] =
+          std::ranges::minmax(cell.particles, {}, [&](Index i) { return sim.model().rest[i].y(); });
+      const bool crossed = sim.model().rest[low].y() < 0.0145 && sim.model().rest[high].y() > 0.0161;
+      if (crossed && cell.cuts.empty() && at.x() > 0.026 + spacing) ++whole;
+    }
+    if (grip < 1.0) {
+      EXPECT_GT(angle, 0.5);
+      continue;
+    }
+    EXPECT_LT(angle, 1e-6);
+    EXPECT_EQ(whole, 0);
+    EXPECT_NEAR(farthest, 0.026, spacing);
+    const double missing = (1.0 - work / (toughness * thickness * inside)) * thickness / spacing;
+    EXPECT_GT(missing, 0.0);
+    EXPECT_LT(missing, 1.6);
   }
 }
 

@@ -41,9 +41,10 @@ TEST(WireCodes, NeverChange) {
   const auto grid =
       std::make_shared<const DistanceGrid>(Vec3::Zero(), 1.0, std::array{2, 2, 2}, std::vector<float>(8, -1.0f));
   code = 0;
-  for (const ToolShape& shape : {ToolShape(Sphere{1}), ToolShape(Capsule{1, 2}), ToolShape(HalfSpace{}),
-                                 ToolShape(Box{{1, 1, 1}}), ToolShape(grid), ToolShape(Needle{}), ToolShape(Blade{}),
-                                 ToolShape(Needle{.arc_radius = 0.05, .leaving = 0.1})}) {
+  for (const ToolShape& shape :
+       {ToolShape(Sphere{1}), ToolShape(Capsule{1, 2}), ToolShape(HalfSpace{}), ToolShape(Box{{1, 1, 1}}),
+        ToolShape(grid), ToolShape(Needle{}), ToolShape(Blade{}), ToolShape(Needle{.arc_radius = 0.05, .leaving = 0.1}),
+        ToolShape(Blade{.belly = 1, .bow = 2})}) {
     ByteWriter out;
     tool_fields(out, {.shape = shape});
     EXPECT_EQ(first_byte(out.bytes()), code++);
