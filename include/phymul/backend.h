@@ -142,6 +142,7 @@ class SolverBackend : public Solver {
   /// The tables of these domains changed, and the masses of their particles; do_scene_changed() comes next. The default
   /// throws Error.
   virtual void do_body_changed(std::span<const Index> domains);
+  Snapshot snapshot_without_hash() const;
   void continue_copies(std::span<const Index> domains);
   virtual Motion do_step(const StepPlan& plan) = 0;
   virtual void do_read(State& state) const = 0;

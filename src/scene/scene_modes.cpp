@@ -17,6 +17,7 @@ namespace {
 /// Parts per particle, then one after another.
 void flatten(const std::vector<std::vector<LoadModes::Part>>& rows, std::vector<Index>& offset,
              std::vector<LoadModes::Part>& parts) {
+  offset.reserve(rows.size() + 1);
   offset.assign(1, 0);
   for (const auto& row : rows) {
     parts.insert(parts.end(), row.begin(), row.end());

@@ -238,13 +238,12 @@ const TopologyTextures& SolverBackend::elastic() const {
   return scaled_->of(*topology_, scene_->stiffness_factors());
 }
 
-Snapshot SolverBackend::snapshot() const {
+Snapshot SolverBackend::snapshot_without_hash() const {
   Snapshot snapshot;
   do_snapshot(snapshot);
   joints_->read(snapshot.state);
   snapshot.growth = growth_;
   snapshot.max_speed = speed_;
-  snapshot.topology_hash = topology_hash();
   snapshot.removed_cells = topology_->removed;
   snapshot.cuts = topology_->cuts;
   snapshot.backend = name_;

@@ -18,6 +18,12 @@
 namespace phymul {
 
 /// Of the body as it is now: an edit forgets it.
+Snapshot SolverBackend::snapshot() const {
+  Snapshot snapshot = snapshot_without_hash();
+  snapshot.topology_hash = topology_hash();
+  return snapshot;
+}
+
 std::uint64_t SolverBackend::topology_hash() const {
   if (!topology_hash_) topology_hash_ = fingerprint(*topology_);
   return *topology_hash_;
@@ -60,7 +66,7 @@ void SolverBackend::body_changed() {
 void SolverBackend::continue_copies(std::span<const Index> domains) {
   const auto copied = std::span(topology_->copied).subspan(copies_seen_);
   if (copied.empty() && topology_->dissipation.empty()) return;
-  Snapshot now = snapshot();
+  Snapshot now = snapshot_without_hash();
   for (const auto& [copy, of] : copied) {
     if (topology_->mass[copy] == 0.0) continue;  // the cut was undone
     now.state.position[copy] = now.state.position[of];
