@@ -36,6 +36,7 @@ KeptVolumes::Surface KeptVolumes::made(const VolumeConstraint& kept) {
   for (VecList* list : {&surface.start, &surface.end, &surface.gradient, &surface.along}) {
     list->resize(surface.particles.size());
   }
+  surface.slots.resize(surface.particles.size());
   surface.now.name = surface.next.name = kept.name;
   return surface;
 }
@@ -109,13 +110,14 @@ void KeptVolumes::accept() {
 
 bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
-    const TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
+    surface.slots[k] = touched.slot(surface.particles[k]);
+    const TouchedParticles::Touched& particle = touched[surface.slots[k]];
     surface.start[k] = particle.position;
     surface.end[k] = particle.end(touched.dt()) + particle.shift;
   }
   volume_gradient(surface.triangles, surface.start, surface.gradient);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
-    const TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
+    const TouchedParticles::Touched& particle = touched[surface.slots[k]];
     surface.gradient[k] = past_friction(surface.gradient[k], particle.rubbed);
     surface.along[k] = particle.inverse_mass * surface.gradient[k];
     for (int a = 0; a < 3; ++a) {
@@ -146,7 +148,7 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   // number, whose particle is found out elsewhere.
   if (!s) return !(std::abs(surface.now.volume - reached) > rounded_volume_share * surface.now.volume);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
-    TouchedParticles::Touched& particle = touched[touched.slot(surface.particles[k])];
+    TouchedParticles::Touched& particle = touched[surface.slots[k]];
     // s d is a way; over dt a velocity, times the mass an impulse.
     if (!particle.held) TouchedParticles::push(particle, *s / touched.dt() * surface.gradient[k]);
   }

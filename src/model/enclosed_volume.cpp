@@ -9,6 +9,15 @@
 
 namespace phymul {
 
+namespace {
+
+Vec3 twice_area(const std::array<Index, 3>& t, std::span<const Vec3> position) {
+  const Vec3& a = position[t[0]];
+  return (position[t[1]] - a).cross(position[t[2]] - a);
+}
+
+}  // namespace
+
 std::pair<double, double> growing_branch(const std::array<double, 3>& c) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   const double a = 3.0 * c[2], b = c[1], under = b * b - a * c[0];  // halved form: a s^2 + 2 b s + c1
@@ -37,12 +46,10 @@ double enclosed_volume(Triangles triangles, std::span<const Vec3> position) {
 void volume_gradient(Triangles triangles, std::span<const Vec3> position, std::span<Vec3> gradient) {
   std::fill(gradient.begin(), gradient.end(), Vec3::Zero());
   if (triangles.empty()) return;
-  const Vec3 origin = position[triangles.front()[0]];
+  // b x c differs from the triangle's own vector by a x (b - c), whose sum around a corner of a closed surface is 0.
   for (const std::array<Index, 3>& t : triangles) {
-    const Vec3 a = position[t[0]] - origin, b = position[t[1]] - origin, c = position[t[2]] - origin;
-    gradient[t[0]] += b.cross(c) / 6.0;
-    gradient[t[1]] += c.cross(a) / 6.0;
-    gradient[t[2]] += a.cross(b) / 6.0;
+    const Vec3 share = twice_area(t, position) / 6.0;
+    for (const Index corner : t) gradient[corner] += share;
   }
 }
 
@@ -51,11 +58,12 @@ std::array<double, 3> volume_along(Triangles triangles, std::span<const Vec3> po
   if (triangles.empty()) return c;
   const Vec3 origin = position[triangles.front()[0]];
   for (const std::array<Index, 3>& t : triangles) {
-    const Vec3 x = position[t[0]] - origin, y = position[t[1]] - origin, z = position[t[2]] - origin;
-    const Vec3 &u = along[t[0]], &v = along[t[1]], &w = along[t[2]];
-    c[0] += u.dot(y.cross(z)) + v.dot(z.cross(x)) + w.dot(x.cross(y));
-    c[1] += x.dot(v.cross(w)) + y.dot(w.cross(u)) + z.dot(u.cross(v));
-    c[2] += u.dot(v.cross(w));
+    // d . dV/dx(x), x . dV/dx(d) and V(d), with the gradient as above.
+    const Vec3 middle = (position[t[0]] + position[t[1]] + position[t[2]]) - 3.0 * origin;
+    const Vec3 across = twice_area(t, along);
+    c[0] += (along[t[0]] + along[t[1]] + along[t[2]]).dot(twice_area(t, position));
+    c[1] += middle.dot(across);
+    c[2] += along[t[0]].dot(across);
   }
   for (double& value : c) value /= 6.0;
   return c;
