@@ -4,6 +4,7 @@
 // unstructured tetrahedra under gravity, by size, Poisson's ratio and load.
 #include <phymul/phymul.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -49,6 +50,33 @@ void print_row(int across, double poisson, double gravity, bool steps) {
   std::fflush(stdout);
 }
 
+/// A load that grows by 1 % from call to call, as of slow manipulation.
+void print_following_row(int across, double poisson, double tolerance) {
+  constexpr int calls = 20;
+  double gravity = 0.02;
+  Simulation sim = cantilever(across, poisson, gravity);
+  sim.solve_static({.tolerance = 1e-8});
+  int evaluations = 0;
+  double seconds = 0.0;
+  for (int k = 0; k < calls; ++k) {
+    gravity *= 1.01;
+    sim.scene().gravity({0, 0, -9.81 * gravity});
+    const double begin = processor_seconds();
+    evaluations += sim.solve_static({.tolerance = tolerance}).evaluations;
+    seconds += processor_seconds() - begin;
+  }
+  const State followed = sim.state();
+  sim.solve_static({.tolerance = 1e-9});
+  const State rest = sim.state();
+  double off = 0.0;
+  for (std::size_t i = 0; i < rest.position.size(); ++i) {
+    off = std::max(off, (followed.position[i] - rest.position[i]).norm());
+  }
+  std::printf("%9d %4.2f %8.0e %6.1f %8.2f ms %8.4f %%\n", sim.model().particle_count(), poisson, tolerance,
+              static_cast<double>(evaluations) / calls, 1e3 * seconds / calls, 100.0 * off / sim.max_displacement());
+  std::fflush(stdout);
+}
+
 /// A ball of 2 cm that indents a block of 8 x 8 x 5 cm by 5 mm.
 void print_tool_row(int across, ToolContact contact, bool steps) {
   const auto pressed = [&] {
@@ -86,7 +114,8 @@ int main(int argc, char** argv) try {
           argc, argv,
           "static_table [cells across, at most [steps]], default 16 and 1\n"
           "Evaluations and processor time of solve_static() to a residual of 1e-6, for a cantilever of\n"
-          "4, 8 and 16 cells across, and for a ball on a block of twice as many; with steps 1 also of\n"
+          "4, 8 and 16 cells across, also after changes of its load by 1 %, and for a ball on a block of\n"
+          "twice as many; with steps 1 also of\n"
           "run_to_rest(), which takes minutes.")) {
     return 0;
   }
@@ -96,6 +125,13 @@ int main(int argc, char** argv) try {
   for (const double gravity : {0.001, 0.02, 1.0}) {
     for (const double poisson : {0.3, 0.45, 0.49}) {
       for (int across = 4; across <= most; across *= 2) print_row(across, poisson, gravity, steps);
+    }
+  }
+  std::printf(
+      "particles nu  tolerance, a load that grows by 1 %% a call: evaluations, time; off, of the displacement\n");
+  for (const double poisson : {0.3, 0.45, 0.49}) {
+    for (const double tolerance : {1e-6, 1e-3}) {
+      for (int across = 4; across <= most; across *= 2) print_following_row(across, poisson, tolerance);
     }
   }
   std::printf("particles tool meets  solve_static: evaluations, time, force; run_to_rest: steps, time, force; ratio\n");

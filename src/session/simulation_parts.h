@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "elastic/scaled_tables.h"
+#include "statics/rest_search.h"
 #include "tears.h"
 #include "topology/body_edit.h"
 
@@ -54,6 +55,17 @@ struct Simulation::Parts {
   Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;
+
+  /// Of solve_static(), as long as body and held coordinates stay.
+  struct AtRest {
+    std::uint64_t body_version = 0;  ///< Scene
+    std::vector<double> factors;     ///< of stiffness
+    std::vector<std::uint8_t> fixed;
+    std::vector<ConnectedBody> loose;
+    std::unique_ptr<RestBody> body;  ///< none for walls
+  };
+  AtRest at_rest;
+  void follow_at_rest(const LoadFrame& loads);
 
   struct Start {
     State wanted, taken;  ///< as given; as the solver has it

@@ -226,6 +226,22 @@ std::string StaticResult::message() const {
   return text;
 }
 
+void Simulation::Parts::follow_at_rest(const LoadFrame& loads) {
+  const std::vector<double>& factors = scene.stiffness_factors();
+  const bool is_new = at_rest.loose.empty() && at_rest.body == nullptr;
+  if (!is_new && at_rest.body_version == scene.body_version() && at_rest.factors == factors &&
+      at_rest.fixed == loads.fixed) {
+    return;
+  }
+  at_rest = {};  // before its tables change
+  at_rest.body_version = scene.body_version();
+  at_rest.factors = factors;
+  at_rest.fixed = loads.fixed;
+  at_rest.loose = loose_bodies(model, loads);
+  const TopologyTextures& tables = elastic();
+  if (tables.walls.empty()) at_rest.body = std::make_unique<RestBody>(tables, loads.fixed);
+}
+
 StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (!(options.tolerance > 0.0) || !std::isfinite(options.tolerance)) {
     throw Error("StaticOptions::tolerance must be finite and above 0; got " + to_decimal(options.tolerance));
@@ -243,13 +259,15 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   hold_removed(topology, state, loads);
   RestJoints joints(scene(), state);
   const bool has_tools = !scene().tools().empty();
-  const std::vector<Mat3> diagonal = diagonal_at_rest(topology);
+  parts_->follow_at_rest(loads);
+  const std::vector<ConnectedBody>& loose = parts_->at_rest.loose;
+  RestBody* const body = parts_->at_rest.body.get();
+  const std::span<const Mat3> diagonal = body != nullptr ? body->diagonal() : std::span<const Mat3>();
   RestTools tools(scene(), diagonal, loads.fixed);
   std::vector<RestTerm*> terms;
   if (!joints.empty()) terms.push_back(&joints);
   if (has_tools) terms.push_back(&tools);
   StaticResult result;
-  const std::vector<ConnectedBody> loose = loose_bodies(model(), loads);
   result.cause = why_no_rest(model(), loads, terms, loose);
   const bool walls = !topology.walls.empty();
   if (walls && !loose.empty() && result.cause.empty()) {
@@ -269,7 +287,7 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (begins_anew) state.position = topology.rest;
   const auto search = [&](int most_evaluations) {
     if (walls) return search_wall_rest(topology, loads, options.tolerance, most_evaluations, state.position);
-    return search_rest(topology, loads, terms, loose, diagonal, options.tolerance, most_evaluations, state.position);
+    return search_rest(*body, loads, terms, loose, options.tolerance, most_evaluations, state.position);
   };
   RestSearchEnd end = search(options.most_evaluations);
   result.evaluations = end.evaluations;

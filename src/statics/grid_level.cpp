@@ -178,9 +178,13 @@ GridLevel::GridLevel(const TopologyTextures& topology, std::span<const std::uint
   }
 }
 
-void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks) {
+void GridLevel::remove_terms() {
   terms_.clear();
   for (Cell& cell : cells_) cell.terms = none;
+}
+
+void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks) {
+  remove_terms();
   for (const Part& part : parts_) {
     const DomainTexel& domain = topology.domains[part.domain];
     if (topology.first_domain[domain.particle] != part.domain || blocks[domain.particle].isZero(0.0)) continue;

@@ -33,6 +33,7 @@ class GridLevel {
 
   /// From the next assemble() on with terms of these blocks, RestTerm::add_diagonal(), as if all ended at the world.
   void add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks);
+  void remove_terms();
   /// The stiffness of cells that have turned: `gradients` as Tangent::linearise. Rows are nodes.
   void assemble(std::span<const Mat3> gradients, BlockMatrix& stiffness) const;
   /// The same as a dense matrix, [3 nodes, 3 nodes], of which only the lower triangle is set.

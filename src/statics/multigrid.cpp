@@ -87,12 +87,8 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& t) {
 }
 
 Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed,
-                     std::span<const Mat3> diagonal, Tangent& tangent, RestTerms terms)
-    : topology_(topology),
-      tangent_(tangent),
-      terms_(terms),
-      free_(Vector::Ones(3 * topology.particle_count)),
-      diagonal_(diagonal) {
+                     std::span<const Mat3> diagonal, Tangent& tangent)
+    : topology_(topology), tangent_(tangent), free_(Vector::Ones(3 * topology.particle_count)), diagonal_(diagonal) {
   for (std::size_t i = 0; i < fixed.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       if ((fixed[i] >> axis & 1) != 0) free_[3 * static_cast<Eigen::Index>(i) + axis] = 0.0;
@@ -123,17 +119,28 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
   }
   PaddedVectors* const own[] = {&padded_free_, &strongest_, &of_r_, &of_z_, &image_, &residual_, &scaled_};
   for (PaddedVectors* vectors : own) vectors->assign(diagonal_.size(), Eigen::Vector4f::Zero());
-  std::uint32_t bits = 1;
   double sum = 0.0;
   for (std::size_t i = 0; i < diagonal_.size(); ++i) {
     padded_free_[i].head<3>() = free_.segment<3>(3 * static_cast<Eigen::Index>(i)).cast<float>();
+    sum += diagonal_[i].trace();
+  }
+  typical_stiffness_ = sum / static_cast<double>(diagonal_.size());
+}
+
+void Multigrid::begin(RestTerms terms) {
+  terms_ = terms;
+  evaluations_ = 0;
+  if (!of_terms_.empty()) {
+    for (Coarse& coarse : coarse_) coarse.level.remove_terms();
+    of_terms_.clear();
+  }
+  std::uint32_t bits = 1;
+  for (std::size_t i = 0; i < strongest_.size(); ++i) {
     for (int axis = 0; axis < 3; ++axis) {
       bits = bits * 1664525u + 1013904223u;
       strongest_[i][axis] = padded_free_[i][axis] * static_cast<float>(static_cast<double>(bits) / 4294967296.0 - 0.5);
     }
-    sum += diagonal_[i].trace();
   }
-  typical_stiffness_ = sum / static_cast<double>(diagonal_.size());
 }
 
 bool Multigrid::follow_terms() {

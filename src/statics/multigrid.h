@@ -22,9 +22,13 @@ std::vector<Mat3> diagonal_at_rest(const TopologyTextures& topology);
 class Multigrid {
  public:
   /// Of the free coordinates. `fixed` [N]: as LoadFrame::fixed, or empty. `diagonal`: diagonal_at_rest(). Keeps
-  /// references to the arguments.
+  /// references to the tables, the diagonal and the tangent.
   Multigrid(const TopologyTextures& topology, std::span<const std::uint8_t> fixed, std::span<const Mat3> diagonal,
-            Tangent& tangent, RestTerms terms);
+            Tangent& tangent);
+
+  /// To be called first, before each search: forgets the last one, so that the same search has the same bits. Keeps a
+  /// reference to the terms.
+  void begin(RestTerms terms);
 
   /// Takes the terms' stiffness as it is now, if it has changed by much since it last did; returns whether. Then
   /// turn() and estimate_largest() are to be called.

@@ -12,8 +12,6 @@
 #include "elastic/domain_forces.h"
 #include "elastic/mean_gradient.h"
 #include "idle_motions.h"
-#include "multigrid.h"
-#include "turning_path.h"
 
 namespace phymul {
 namespace {
@@ -40,30 +38,40 @@ constexpr int most_trials = 12;  ///< of a line search
 constexpr double force_rounding = 1e-12;
 constexpr double energy_rounding = 1e-11;  ///< of an energy
 
-class Search {
+}  // namespace
+
+RestBody::RestBody(const TopologyTextures& topology, std::span<const std::uint8_t> fixed)
+    : topology_(topology),
+      diagonal_(diagonal_at_rest(topology)),
+      tangent_(make_tangent(topology)),
+      grid_(topology, fixed, diagonal_, *tangent_),
+      path_(topology, grid_.finest_of(path_nodes)) {}
+
+class RestSearch {
  public:
-  Search(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-         std::span<const ConnectedBody> loose, std::span<const Mat3> diagonal, VecList& position)
-      : topology_(topology),
+  RestSearch(RestBody& body, const LoadFrame& loads, RestTerms terms, std::span<const ConnectedBody> loose,
+             VecList& position)
+      : topology_(body.topology_),
         loads_(loads),
         terms_(terms),
         idle_(loose, loads, terms),
         position_(position),
-        tangent_(make_tangent(topology)),
-        grid_(topology, loads.fixed, diagonal, *tangent_, terms),
-        path_(topology, grid_.finest_of(path_nodes)),
-        load_(3 * topology.particle_count),
+        tangent_(*body.tangent_),
+        grid_(body.grid_),
+        path_(body.path_),
+        load_(3 * topology_.particle_count),
         force_(position.size()),
         trial_(position.size()) {
+    grid_.begin(terms);
     for (std::size_t i = 0; i < position.size(); ++i) {
-      load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology.mass, loads, i);
+      load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology_.mass, loads, i);
     }
     double shear = 0.0;
-    for (const DomainTexel& domain : topology.domains) {
-      shear += topology.energies[domain.energy][0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
+    for (const DomainTexel& domain : topology_.domains) {
+      shear += topology_.energies[domain.energy][0] / std::pow(domain.inverse_volume, 2.0 / 3.0);
     }
-    most_way_ = most_way * bounding_box(topology.rest).diagonal().norm();
-    floor_ = force_rounding * shear / std::sqrt(static_cast<double>(topology.particle_count));
+    most_way_ = most_way * bounding_box(topology_.rest).diagonal().norm();
+    floor_ = force_rounding * shear / std::sqrt(static_cast<double>(topology_.particle_count));
   }
 
   RestSearchEnd run(double tolerance, int most_evaluations) {
@@ -153,7 +161,7 @@ class Search {
 
   void linearise() {
     const bool at_rest = std::ranges::all_of(gradients_, [](const Mat3& H) { return H == Mat3::Zero(); });
-    tangent_->linearise(at_rest ? std::span<const Mat3>() : gradients_);
+    tangent_.linearise(at_rest ? std::span<const Mat3>() : gradients_);
     for (RestTerm* term : terms_) term->linearise(position_);
     double most = turned_at_.empty() ? std::numeric_limits<double>::infinity() : 0.0;
     for (std::size_t d = 0; d < turned_at_.size(); ++d) {
@@ -325,9 +333,9 @@ class Search {
   RestTerms terms_;
   IdleMotions idle_;
   VecList& position_;
-  std::unique_ptr<Tangent> tangent_;
-  Multigrid grid_;
-  TurningPath path_;
+  Tangent& tangent_;
+  Multigrid& grid_;
+  TurningPath& path_;
   Vector load_;
   VecList force_, trial_;
   int forces_ = 0, most_evaluations_ = 0;
@@ -346,8 +354,6 @@ class Search {
   std::optional<double> energy_;  // of position_, where known
 };
 
-}  // namespace
-
 double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
                         const VecList& position) {
   double energy = elastic_energy(topology, position);
@@ -358,10 +364,9 @@ double potential_energy(const TopologyTextures& topology, const LoadFrame& loads
   return energy;
 }
 
-RestSearchEnd search_rest(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-                          std::span<const ConnectedBody> loose, std::span<const Mat3> diagonal, double tolerance,
-                          int most_evaluations, VecList& position) {
-  return Search(topology, loads, terms, loose, diagonal, position).run(tolerance, most_evaluations);
+RestSearchEnd search_rest(RestBody& body, const LoadFrame& loads, RestTerms terms, std::span<const ConnectedBody> loose,
+                          double tolerance, int most_evaluations, VecList& position) {
+  return RestSearch(body, loads, terms, loose, position).run(tolerance, most_evaluations);
 }
 
 }  // namespace phymul

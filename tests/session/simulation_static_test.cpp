@@ -3,6 +3,7 @@
 // Simulation::solve_static: the rest shape without steps, and the work that it takes.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <utility>
 
 #include "support/bodies.h"
@@ -301,6 +302,42 @@ TEST(SimulationStatic, FindsTheShapeOfWhatCutsAndRemovalsLeave) {
     EXPECT_GT(std::ranges::count(sim.model().mass, 0.0), 60);
   }
   expect_shape_of_steps(sims[0], sims[1], "cut and removed");
+}
+
+/// What a search keeps for the next one alters no bit of it, also where the body, what is held or a tool has changed.
+TEST(SimulationStatic, ASecondSearchIsThatOfASimulationThatHadNone) {
+  const auto make = [] { return hung(with_spare_particles(beam(4, Cells::tetrahedra), 100), 0.3, 0.01); };
+  const std::vector<std::pair<std::string, std::function<void(Simulation&)>>> changes{
+      {"load",
+       [](Simulation& sim) {
+         sim.scene().gravity({0, 0.05, -0.1});
+       }},
+      {"held", [](Simulation& sim) { sim.scene().fix("x1"); }},
+      {"stiffness", [](Simulation& sim) { sim.scene().scale_stiffness(2.0); }},
+      {"cut",
+       [](Simulation& sim) {
+         CutSurface notch = cut_plane({0.083, 0.025, 0.025}, {1, 0.1, 0});
+         notch.front = [](const Vec3& x) { return 0.03 - x.z(); };
+         sim.cut(notch);
+       }},
+      {"tool",
+       [](Simulation& sim) {
+         sim.scene().add_tool("ball", {.shape = Sphere{0.02}, .pose = {.position = {0.1, 0.025, 0.066}}});
+       }},
+      {"no tool", [](Simulation& sim) { sim.scene().remove_tool("ball"); }}};
+  Simulation sim = make();
+  ASSERT_TRUE(sim.solve_static().converged());
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    changes[k].second(sim);
+    State start = sim.state();
+    ASSERT_TRUE(sim.solve_static().converged()) << changes[k].first;
+    Simulation fresh = make();
+    for (std::size_t done = 0; done <= k; ++done) changes[done].second(fresh);
+    start.tools.clear();
+    fresh.set_state(start);
+    ASSERT_TRUE(fresh.solve_static().converged()) << changes[k].first;
+    EXPECT_EQ(sim.state().position, fresh.state().position) << changes[k].first;
+  }
 }
 
 TEST(SimulationStatic, SaysWhichJointWouldBreak) {
