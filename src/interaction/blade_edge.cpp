@@ -16,13 +16,13 @@ constexpr double left_behind = 1.0;
 constexpr int farthest_walk = 30;  // sites
 /// Spacings from the edge to tissue that is not cut, and of a search for it.
 constexpr double farthest_front = 1.0, front_step = 0.1;
-constexpr double in_site = -1e-9;  // least barycentric coordinate
 
 }  // namespace
 
 BladeEdge::BladeEdge(const Blade& blade, const Model& model) : blade_(blade), curve_(blade), model_(model) {
   // Without resistance there is nothing to hold.
-  if (blade.toughness > 0.0) build();
+  if (blade.toughness > 0.0 || has_sides()) build();
+  if (has_sides() && !sites_.empty()) lay_out_sides();
 }
 
 void BladeEdge::build() {
@@ -110,15 +110,6 @@ void BladeEdge::follow_body() {
   divided_.erase(again.begin(), again.end());
 }
 
-/// Calls visit(particles) for the rows of the site in which tissue is left.
-template <class Visit>
-void BladeEdge::each_part(const Site& site, Visit visit) const {
-  if (model_.cells[site.row].share > 0.0) visit(model_.cells[site.row].particles);
-  for (const Index row : site.further) {
-    if (model_.cells[row].share > 0.0) visit(model_.cells[row].particles);
-  }
-}
-
 bool BladeEdge::has_tissue(const Site& site) const {
   bool any = false;
   each_part(site, [&](const auto&) { any = true; });
@@ -127,20 +118,6 @@ bool BladeEdge::has_tissue(const Site& site) const {
 
 bool BladeEdge::is_whole(const Site& site) const {
   return site.further.empty() && model_.cells[site.row].share > 0.0 && model_.cells[site.row].cuts.empty();
-}
-
-/// Means over its parts of their particles, whose places `place_of(particle)` has.
-template <class PlaceOf>
-BladeEdge::Corners BladeEdge::corners_of(const Site& site, const PlaceOf& place_of) const {
-  Corners corners;
-  corners.fill(Vec3::Zero());
-  double parts = 0.0;
-  each_part(site, [&](const std::vector<Index>& particles) {
-    for (std::size_t v = 0; v < 4; ++v) corners[v] += place_of(particles[v]);
-    parts += 1.0;
-  });
-  for (Vec3& corner : corners) corner /= parts;
-  return corners;
 }
 
 BladeEdge::Weights BladeEdge::weights_in(const Corners& corners, const Vec3& x) {
@@ -228,7 +205,12 @@ Vec3 BladeEdge::way_at(const ToolFrame& frame, Index place) const {
 /// Points that hold none take the tissue that they are in, where it is whole, or the next one ahead where it is cut.
 void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& end) {
   if (!looks_ || static_cast<Index>(next_.size()) == count_) return;
-  look_around(touched, end);
+  Vec3 low = edge_at(end, 0), high = low;
+  for (Index place = 1; place < count_; ++place) {
+    low = low.cwiseMin(edge_at(end, place));
+    high = high.cwiseMax(edge_at(end, place));
+  }
+  look_around(touched, low, high);
   const std::size_t held = next_.size();
   for (Index place = 0; place < count_ && !near_.empty(); ++place) {
     const auto known =
@@ -265,13 +247,8 @@ void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& en
   if (next_.size() > held) std::ranges::sort(next_, {}, &Point::place);
 }
 
-/// near_: sites with tissue around the edge.
-void BladeEdge::look_around(const TouchedParticles& touched, const ToolFrame& end) {
-  Vec3 low = edge_at(end, 0), high = low;
-  for (Index place = 1; place < count_; ++place) {
-    low = low.cwiseMin(edge_at(end, place));
-    high = high.cwiseMax(edge_at(end, place));
-  }
+/// near_: sites with tissue around a box.
+void BladeEdge::look_around(const TouchedParticles& touched, const Vec3& low, const Vec3& high) {
   near_.clear();
   found_.clear();
   touched.step().find({.low = low.array() - longest_, .high = high.array() + longest_}, found_);
@@ -295,13 +272,9 @@ void BladeEdge::look_around(const TouchedParticles& touched, const ToolFrame& en
   }
 }
 
-/// Whether it still holds its tissue.
-bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const ToolFrame& end, Acting& acting) const {
-  const Site& site = sites_[point.site];
-  const Vec3 way = acting.way = way_at(end, point.place);
-  const double length = curve_.length() / count_ * curve_.stretch(along(point.place));  // m, of edge
-  acting.limit = blade_.toughness * length * touched.dt();
-  acting.front = edge_at(end, point.place) + point.ahead * way;
+/// The particles that the point of a site with these weights is a mean of; false: no tissue is left there.
+bool BladeEdge::take_corners(TouchedParticles& touched, const Site& site, const Weights& weights,
+                             Acting& acting) const {
   acting.corners.clear();
   double parts = 0.0;
   each_part(site, [&](const auto&) { parts += 1.0; });
@@ -309,7 +282,7 @@ bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const Tool
   each_part(site, [&](const std::vector<Index>& particles) {
     for (std::size_t v = 0; v < 4; ++v) {
       const std::size_t slot = touched.slot(particles[v]);
-      const double weight = point.front[static_cast<Eigen::Index>(v)] / parts;
+      const double weight = weights[static_cast<Eigen::Index>(v)] / parts;
       const auto known = std::ranges::find(acting.corners, slot, &std::pair<std::size_t, double>::first);
       if (known == acting.corners.end()) {
         acting.corners.emplace_back(slot, weight);
@@ -318,6 +291,17 @@ bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const Tool
       }
     }
   });
+  return true;
+}
+
+/// Whether it still holds its tissue.
+bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const ToolFrame& end, Acting& acting) const {
+  const Site& site = sites_[point.site];
+  const Vec3 way = acting.way = way_at(end, point.place);
+  const double length = curve_.length() / count_ * curve_.stretch(along(point.place));  // m, of edge
+  acting.limit = blade_.toughness * length * touched.dt();
+  acting.front = edge_at(end, point.place) + point.ahead * way;
+  if (!take_corners(touched, site, point.front, acting)) return false;
   Vec3 at = Vec3::Zero();
   acting.inverse_mass = acting.impulse = 0.0;
   for (const auto& [slot, weight] : acting.corners) {
@@ -329,9 +313,14 @@ bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const Tool
   return (acting.front - at).norm() <= left_behind * spacing_;
 }
 
-void BladeEdge::act(TouchedParticles& touched, const ToolPose& pose, ToolForce& force) {
+void BladeEdge::act(TouchedParticles& touched, const ToolPose& start, const ToolPose& pose, ToolForce& force) {
   if (sites_.empty()) return;
   const ToolFrame end(pose);
+  if (blade_.toughness > 0.0) cut(touched, end, force);
+  if (has_sides()) rub(touched, ToolFrame(start), end, force);
+}
+
+void BladeEdge::cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& force) {
   const double dt = touched.dt();
   next_ = points_;
   find_tissue(touched, end);

@@ -27,7 +27,7 @@ class BladeEdge {
   BladeEdge(const Blade& blade, const Model& model);  ///< refers to the model
 
   /// `force`: what it takes from the particles is added there.
-  void act(TouchedParticles& touched, const ToolPose& end, ToolForce& force);
+  void act(TouchedParticles& touched, const ToolPose& start, const ToolPose& end, ToolForce& force);
   void accept();      ///< the step counts
   void begin_call();  ///< of steps: the first one looks for tissue
 
@@ -38,8 +38,9 @@ class BladeEdge {
   double reach() const { return longest_; }  ///< m: it looks for tissue so far around
 
  private:
-  using Weights = Eigen::Vector4d;   // barycentric coordinates
-  using Key = std::array<Index, 4>;  // places of a cell's vertices, ascending
+  using Weights = Eigen::Vector4d;          // barycentric coordinates
+  static constexpr double in_site = -1e-9;  // least of them
+  using Key = std::array<Index, 4>;         // places of a cell's vertices, ascending
   /// A tetrahedron of the mesh at rest with all rows that cuts have made of it, whose vertices are in one order.
   struct Site {
     Index row = -1;
@@ -83,7 +84,13 @@ class BladeEdge {
   double along(Index place) const;  // m, from the middle of the edge
   Vec3 edge_at(const ToolFrame& frame, Index place) const;
   Vec3 way_at(const ToolFrame& frame, Index place) const;
-  void look_around(const TouchedParticles& touched, const ToolFrame& end);
+  void cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& force);
+  bool take_corners(TouchedParticles& touched, const Site& site, const Weights& weights, Acting& acting) const;
+  bool has_sides() const { return blade_.height > 0.0 && blade_.friction > 0.0; }
+  void lay_out_sides();
+  void find_sides(const TouchedParticles& touched, const ToolFrame& end);
+  void rub(TouchedParticles& touched, const ToolFrame& start, const ToolFrame& end, ToolForce& force);
+  void look_around(const TouchedParticles& touched, const Vec3& low, const Vec3& high);
   void find_tissue(const TouchedParticles& touched, const ToolFrame& end);
   bool couple(TouchedParticles& touched, const Point& point, const ToolFrame& end, Acting& acting) const;
 
@@ -110,6 +117,39 @@ class BladeEdge {
     Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL);
   };
   std::vector<Near> near_;
+
+  /// A point of the sides, in the middle of its part of them.
+  struct Side {
+    Vec3 place{0, 0, 0}, normal{0, 0, 0};  // m, in the tool's frame
+    Index site = -1;                       // -1: not in tissue
+    Weights at = Weights::Zero();
+    Acting acting{};
+    Vec3 impulse{0, 0, 0};  // N s so far
+  };
+  std::vector<Side> sides_;
 };
+
+/// Calls visit(particles) for the rows of the site in which tissue is left.
+template <class Visit>
+void BladeEdge::each_part(const Site& site, Visit visit) const {
+  if (model_.cells[site.row].share > 0.0) visit(model_.cells[site.row].particles);
+  for (const Index row : site.further) {
+    if (model_.cells[row].share > 0.0) visit(model_.cells[row].particles);
+  }
+}
+
+/// Means over its parts of their particles, whose places `place_of(particle)` has.
+template <class PlaceOf>
+BladeEdge::Corners BladeEdge::corners_of(const Site& site, const PlaceOf& place_of) const {
+  Corners corners;
+  corners.fill(Vec3::Zero());
+  double parts = 0.0;
+  each_part(site, [&](const std::vector<Index>& particles) {
+    for (std::size_t v = 0; v < 4; ++v) corners[v] += place_of(particles[v]);
+    parts += 1.0;
+  });
+  for (Vec3& corner : corners) corner /= parts;
+  return corners;
+}
 
 }  // namespace phymul

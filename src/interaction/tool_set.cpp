@@ -266,7 +266,7 @@ void ToolSet::act(TouchedParticles& touched) {
       tool.needle->act(touched, motion.pose, motion.next_pose, tool.next_force);
       if (!threads_.empty()) threads_.follow_needle(tool.moved.name, tool.needle->passed(), motion.pose);
     }
-    if (tool.blade) tool.blade->act(touched, motion.next_pose, tool.next_force);
+    if (tool.blade) tool.blade->act(touched, motion.pose, motion.next_pose, tool.next_force);
   }
   for (Moving& tool : tools_) {
     if (!tool.needle && !tool.blade) press(tool, touched);

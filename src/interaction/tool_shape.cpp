@@ -43,9 +43,9 @@ ToolExtent extent(const Needle& needle) {  // its shaft, or the whole circle
   if (r > 0.0) return {.low = {0, 0, -r}, .high = {2 * r, 0, r}};
   return {.high = {0, 0, needle.length}};
 }
-ToolExtent extent(const Blade& blade) {  // its edge
+ToolExtent extent(const Blade& blade) {
   return {.low = {-0.5 * blade.width, std::min(0.0, -blade.bow), std::min(0.0, blade.belly)},
-          .high = {0.5 * blade.width, std::max(0.0, -blade.bow), std::max(0.0, blade.belly)}};
+          .high = {0.5 * blade.width, std::max(0.0, -blade.bow), std::max(0.0, blade.belly) + blade.height}};
 }
 
 /// m, of the circle over a chord whose middle is so far from the arc; with the sign of `sagitta`, 0 for none.
@@ -100,6 +100,11 @@ Vec3 BladeCurve::at(double along) const {
 Vec3 BladeCurve::way(double along) const {
   const double tilt = slope(along), angle = radius_ == 0.0 ? 0.0 : along / radius_;
   return Vec3(tilt * std::cos(angle), -tilt * std::sin(angle), -1.0) / std::sqrt(1.0 + tilt * tilt);
+}
+
+Vec3 BladeCurve::normal(double along) const {
+  const double angle = radius_ == 0.0 ? 0.0 : along / radius_;
+  return {std::sin(angle), std::cos(angle), 0.0};
 }
 
 double BladeCurve::stretch(double along) const {

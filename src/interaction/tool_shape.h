@@ -13,7 +13,7 @@
 
 namespace phymul {
 
-/// A tool's shape in numbers, in its own frame; nothing of a needle, the edge of a blade.
+/// A tool's shape in numbers, in its own frame; nothing of a needle, edge and sides of a blade.
 struct ToolExtent {
   Vec3 size{0, 0, 0};                // m; sphere: radius; capsule: radius, length; box: half sizes
   double thickness = 0.0;            // m: a way shorter than half of it cannot pass through
@@ -30,6 +30,7 @@ class BladeCurve {
   Vec3 at(double along) const;
   /// The unit vector across the edge in the surface that it cuts.
   Vec3 way(double along) const;
+  Vec3 normal(double along) const;  ///< of the surface that it cuts, on the side of +y
   /// Length of the edge over its length as seen along z.
   double stretch(double along) const;
   /// m: along the edge, off the surface that it cuts, behind the edge.

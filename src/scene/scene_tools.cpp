@@ -93,6 +93,8 @@ struct ShapeCheck {
   void operator()(const Blade& blade) const {
     require_size(tool, "width", blade.width);
     require_not_negative(label(tool), "toughness (J/m^2)", blade.toughness);
+    require_not_negative(label(tool), "height (m)", blade.height);
+    require_not_negative(label(tool), "friction (N/m^2)", blade.friction);
     // An arc of more than half a circle meets itself along z.
     for (const auto& [what, got] : {std::pair{"belly", blade.belly}, {"bow", blade.bow}}) {
       if (std::abs(got) <= 0.5 * blade.width) continue;

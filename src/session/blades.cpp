@@ -49,7 +49,10 @@ class EdgeNow {
   }
 
   /// Rows of cells that its plane crosses around it and whose middle it can have passed, ascending.
-  std::vector<Index> cells(const ToolExtent& extent) const {
+  std::vector<Index> cells() const {
+    Blade edge = blade_;
+    edge.height = 0.0;
+    const ToolExtent extent = extent_of({.shape = edge});
     const double around = longest_edge * spacing_, off = same_front * spacing_;
     const Vec3 low = extent.low.array() - around, high = extent.high + Vec3(around, around, behind_ + around);
     const Vec3 middle = frame_.outside(0.5 * (low + high));
@@ -204,7 +207,7 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     const ToolPose& pose = solver().tool_pose(tool.name);
     const ToolPose last = std::exchange(blade_poses.try_emplace(tool.id, pose).first->second, pose);
     const EdgeNow edge(*blade, pose, last, model, body_edit(), now.position, own->blade);
-    const std::vector<Index> cells = edge.cells(extent_of(tool.tool));
+    const std::vector<Index> cells = edge.cells();
     if (cells.empty()) continue;
     if (solver().substeps() > 1) {
       report.uncut += static_cast<int>(cells.size());

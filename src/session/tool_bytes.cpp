@@ -67,11 +67,13 @@ void arc_fields(Bytes& bytes, Any& needle) {
   bytes.field(needle.leaving, "force to come out");
 }
 
-/// What files of straight blades do not have.
+/// What files of straight blades without sides do not have.
 template <class Bytes, class Any>
 void curve_fields(Bytes& bytes, Any& blade) {
   bytes.field(blade.belly, "belly of a blade");
   bytes.field(blade.bow, "bow of a blade");
+  bytes.field(blade.height, "height of a blade");
+  bytes.field(blade.friction, "friction of a blade");
 }
 
 ToolShape take_shape(ByteReader& in, ShapeKind kind) {
@@ -162,7 +164,8 @@ void tool_fields(ByteWriter& out, const Tool& tool) {
   const auto* const needle = std::get_if<Needle>(&tool.shape);
   const bool is_arc = needle && (needle->arc_radius != 0.0 || needle->leaving != 0.0);
   const auto* const blade = std::get_if<Blade>(&tool.shape);
-  const bool is_curved = blade && (blade->belly != 0.0 || blade->bow != 0.0);
+  const bool is_curved =
+      blade && (blade->belly != 0.0 || blade->bow != 0.0 || blade->height != 0.0 || blade->friction != 0.0);
   code(out, is_arc ? arc_needle : is_curved ? curved_blade : kind_of(tool.shape), "");
   std::visit(
       [&](const auto& shape) {

@@ -23,7 +23,7 @@ constexpr int codes_of(Axis) {
 }
 /// Of files alone: a needle that is an arc, or resists where it comes out.
 inline constexpr auto arc_needle = static_cast<ShapeKind>(static_cast<int>(ShapeKind::blade) + 1);
-/// Of files alone: a blade that is an arc.
+/// Of files alone: a blade that is an arc or has sides.
 inline constexpr auto curved_blade = static_cast<ShapeKind>(static_cast<int>(arc_needle) + 1);
 constexpr int codes_of(ShapeKind) {
   return static_cast<int>(curved_blade) + 1;

@@ -29,7 +29,7 @@ struct Stroke {
   ToolPose pose;
 
   Stroke(const std::string& backend, double toughness, double lowest = 0.005, double young = 1e4, int across = 9,
-         Index spare = 600, int threads = 0)
+         Index spare = 600, int threads = 0, double friction = 0.0)
       : sim(with_spare_particles(
                 make_tetrahedral_block({0.06, 0.04, 0.02}, across, across * 2 / 3, across / 3, 0.25, 7), spare),
             {.material = {young, 0.45, 1000.0},
@@ -37,7 +37,9 @@ struct Stroke {
              .damping = {.rate = 20.0},
              .solver = {.threads = threads}}),
         blade(sim.scene().fix("z0").add_tool(
-            "scalpel", {.shape = Blade{.width = 0.025 - lowest, .toughness = toughness}, .pose = first(lowest)})),
+            "scalpel",
+            {.shape = Blade{.width = 0.025 - lowest, .toughness = toughness, .height = 0.01, .friction = friction},
+             .pose = first(lowest)})),
         pose(first(lowest)) {}
 
   static ToolPose first(double lowest) {
@@ -72,7 +74,8 @@ TEST_P(BladeOn, PartsASlab) {
 }
 
 TEST_P(BladeOn, GoesOnFromASnapshotAndIsRecorded) {
-  Stroke stroke(GetParam(), 20.0), other(GetParam(), 20.0);
+  const auto make = [] { return Stroke(GetParam(), 20.0, 0.005, 1e4, 9, 600, 0, 1e3); };
+  Stroke stroke = make(), other = make();
   for (int tick = 0; tick < 20; ++tick) stroke.go_on(0.2e-3);
   stroke.sim.record();
   for (int tick = 0; tick < 20; ++tick) ASSERT_TRUE(stroke.go_on(0.2e-3).ok());
@@ -85,7 +88,7 @@ TEST_P(BladeOn, GoesOnFromASnapshotAndIsRecorded) {
   for (int tick = 0; tick < 20; ++tick) stroke.go_on(0.2e-3);
   const Snapshot end = stroke.sim.snapshot();
 
-  Stroke again(GetParam(), 20.0);
+  Stroke again = make();
   again.sim.replay(stroke.sim.recording());
   EXPECT_EQ(again.sim.snapshot(), end);
 
@@ -148,6 +151,33 @@ TEST(Blade, WorkPerAreaIsTheToughnessAlsoUnderTension) {
     }
     EXPECT_NEAR(work / (450 * by * thickness * toughness), 1.0, 0.05) << stretch;
   }
+}
+
+/// Sides of 10 mm behind the edge: on the way in each of them is in tissue as far as the edge, and on the way out,
+/// where nothing is cut, they alone resist.
+TEST(Blade, SidesRubByTheirAreaInTissue) {
+  constexpr double toughness = 20.0, friction = 1500.0, height = 0.01, length = 0.015, by = 0.05e-3;
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.02}, 12, 8, 4, 0.25, 7), 600),
+                 {.material = {5e4, 0.45, 1000.0}, .backend = "cpu", .damping = {.rate = 20.0}});
+  ToolPose pose = Stroke::first(0.005);
+  const ToolHandle blade = sim.scene().fix("z0").add_tool(
+      "scalpel",
+      {.shape = Blade{.width = 0.02, .toughness = toughness, .height = height, .friction = friction}, .pose = pose});
+  double in = 0.0, out = 0.0;
+  for (int tick = 0; tick < 900; ++tick) {
+    pose.position.x() -= by;
+    blade.move_to(pose);
+    ASSERT_TRUE(sim.advance(1e-3).ok());
+    if (tick >= 400) in += sim.force_on(blade).mean_force.x() / 500;
+  }
+  for (int tick = 0; tick < 600; ++tick) {
+    pose.position.x() += by;
+    blade.move_to(pose);
+    ASSERT_TRUE(sim.advance(1e-3).ok());
+    if (tick >= 200) out -= sim.force_on(blade).mean_force.x() / 400;
+  }
+  EXPECT_NEAR(in / (length * (toughness + friction * height)), 1.0, 0.05);
+  EXPECT_NEAR(out / (length * friction * height), 1.0, 0.05);
 }
 
 /// A loop of wire goes along a slab's upper side with its ends above it: what it takes off is a half round, and the
@@ -259,8 +289,8 @@ TEST(Blade, KeepsMomentum) {
   Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.02}, 9, 6, 3, 0.25, 7), 600),
                  {.material = {1e4, 0.45, 1000.0}, .backend = "reference"});
   ToolPose pose = Stroke::first(0.005);
-  const ToolHandle blade =
-      sim.scene().add_tool("scalpel", {.shape = Blade{.width = 0.02, .toughness = 20.0}, .pose = pose});
+  const ToolHandle blade = sim.scene().add_tool(
+      "scalpel", {.shape = Blade{.width = 0.02, .toughness = 20.0, .height = 0.01, .friction = 1e3}, .pose = pose});
   Vec3 given(0, 0, 0);
   int most = 0;
   const double dt = 0.5 * sim.step_limit();
@@ -278,7 +308,7 @@ TEST(Blade, KeepsMomentum) {
 }
 
 TEST(Blade, HasTheSameBitsOnAnyNumberOfThreads) {
-  Stroke one("cpu", 20.0, 0.005, 1e4, 9, 600, 1), two("cpu", 20.0, 0.005, 1e4, 9, 600, 2);
+  Stroke one("cpu", 20.0, 0.005, 1e4, 9, 600, 1, 1e3), two("cpu", 20.0, 0.005, 1e4, 9, 600, 2, 1e3);
   for (int tick = 0; tick < 150; ++tick) {
     one.go_on(0.1e-3);
     two.go_on(0.1e-3);

@@ -44,7 +44,7 @@ TEST(WireCodes, NeverChange) {
   for (const ToolShape& shape :
        {ToolShape(Sphere{1}), ToolShape(Capsule{1, 2}), ToolShape(HalfSpace{}), ToolShape(Box{{1, 1, 1}}),
         ToolShape(grid), ToolShape(Needle{}), ToolShape(Blade{}), ToolShape(Needle{.arc_radius = 0.05, .leaving = 0.1}),
-        ToolShape(Blade{.belly = 1, .bow = 2})}) {
+        ToolShape(Blade{.belly = 1, .bow = 2, .height = 3, .friction = 4})}) {
     ByteWriter out;
     tool_fields(out, {.shape = shape});
     EXPECT_EQ(first_byte(out.bytes()), code++);
