@@ -25,13 +25,14 @@ struct Blade {
   bool operator==(const Blade&) const = default;
 };
 
-/// Part of ToolState: a point of the edge, and the tissue ahead of it that it holds.
+/// Part of ToolState: a point of the edge and the tissue ahead of it that it holds, or of the sides and where it is in
+/// the tissue.
 struct BladePoint {
-  Index place = -1;                 ///< of the points along the edge, ascending
+  Index place = -1;                 ///< of the points along the edge, then on the sides, ascending
   Index cell = -1;                  ///< row of Model::cells; what is cut is named by the row that it had
   std::array<double, 4> weights{};  ///< barycentric coordinates in it
   double along = 0.0;               ///< m, from the middle of the edge
-  double ahead = 0.0;               ///< m, of the edge
+  double ahead = 0.0;               ///< m, of the edge; below 0 on the sides
   bool slides = false;              ///< the force was at its limit in the last step
   bool operator==(const BladePoint&) const = default;
 };

@@ -175,16 +175,23 @@ std::vector<BladePoint> BladeEdge::state() const {
     state.push_back(
         {point.place, sites_[point.site].row, {w[0], w[1], w[2], w[3]}, along(point.place), point.ahead, point.slides});
   }
+  add_sides(state);
   return state;
 }
 
 void BladeEdge::restore(const std::vector<BladePoint>& state) {
   points_.clear();
+  for (Side& side : sides_) side.site = -1;
   for (const BladePoint& point : state) {
-    const bool known = point.cell >= 0 && point.cell < rows_ && point.place >= 0 && point.place < count_;
+    const Index most = count_ + static_cast<Index>(sides_.size());
+    const bool known = point.cell >= 0 && point.cell < rows_ && point.place >= 0 && point.place < most;
     const Index site = known ? site_of_row_[point.cell] : -1;
     if (site < 0) continue;
     const auto& w = point.weights;
+    if (point.place >= count_) {
+      sides_[point.place - count_].site = site;
+      continue;
+    }
     points_.push_back({point.place, site, Weights(w[0], w[1], w[2], w[3]), point.ahead, point.slides});
   }
   next_ = points_;

@@ -89,6 +89,8 @@ class BladeEdge {
   bool has_sides() const { return blade_.height > 0.0 && blade_.friction > 0.0; }
   void lay_out_sides();
   void find_sides(const TouchedParticles& touched, const ToolFrame& end);
+  void look_for_sides(const TouchedParticles& touched, const ToolFrame& end);
+  void add_sides(std::vector<BladePoint>& state) const;
   void rub(TouchedParticles& touched, const ToolFrame& start, const ToolFrame& end, ToolForce& force);
   void look_around(const TouchedParticles& touched, const Vec3& low, const Vec3& high);
   void find_tissue(const TouchedParticles& touched, const ToolFrame& end);
@@ -126,7 +128,8 @@ class BladeEdge {
     Acting acting{};
     Vec3 impulse{0, 0, 0};  // N s so far
   };
-  std::vector<Side> sides_;
+  std::vector<Side> sides_;    // column by column along the edge
+  std::size_t side_rows_ = 1;  // of a column, from the edge on
 };
 
 /// Calls visit(particles) for the rows of the site in which tissue is left.

@@ -21,6 +21,7 @@ void BladeEdge::lay_out_sides() {
     return std::max(1, static_cast<int>(std::ceil(side_points_in_spacing * length / spacing_)));
   };
   const int columns = points(curve_.length()), rows = points(blade_.height);
+  side_rows_ = static_cast<std::size_t>(rows);
   for (int column = 0; column < columns; ++column) {
     const double along = curve_.length() * ((column + 0.5) / columns - 0.5);
     for (int row = 0; row < rows; ++row) {
@@ -30,8 +31,30 @@ void BladeEdge::lay_out_sides() {
   }
 }
 
-/// At the first step of a call: where the points are in the tissue. It depends on the state alone.
+/// At the first step of a call: where points come into tissue. They do so from the edge on, or beside others.
 void BladeEdge::find_sides(const TouchedParticles& touched, const ToolFrame& end) {
+  const auto enter = [&](Side& side, Index from) {
+    if (side.site < 0 && from >= 0) side.site = walk(touched, from, end.outside(side.place), side.at);
+  };
+  const std::size_t rows = side_rows_, count = sides_.size();
+  for (const Point& point : next_) {
+    const double column = (point.place + 0.5) / count_ * static_cast<double>(count / rows);
+    enter(sides_[static_cast<std::size_t>(column) * rows], point.site);
+  }
+  if (blade_.toughness == 0.0 && std::ranges::all_of(sides_, [](const Side& side) { return side.site < 0; })) {
+    look_for_sides(touched, end);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (k % rows > 0) enter(sides_[k], sides_[k - 1].site);
+    if (k >= rows) enter(sides_[k], sides_[k - rows].site);
+  }
+  for (std::size_t k = count; k-- > 0;) {
+    if (k % rows + 1 < rows) enter(sides_[k], sides_[k + 1].site);
+    if (k + rows < count) enter(sides_[k], sides_[k + rows].site);
+  }
+}
+
+void BladeEdge::look_for_sides(const TouchedParticles& touched, const ToolFrame& end) {
   Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
   for (const Side& side : sides_) {
     low = low.cwiseMin(end.outside(side.place));
@@ -40,14 +63,24 @@ void BladeEdge::find_sides(const TouchedParticles& touched, const ToolFrame& end
   look_around(touched, low, high);
   for (Side& side : sides_) {
     const Vec3 x = end.outside(side.place);
-    side.site = -1;
     for (const Near& near : near_) {
       if ((x.array() < near.low.array()).any() || (x.array() > near.high.array()).any()) continue;
-      const Weights weights = weights_in(near.corners, x);
-      if (!(weights.minCoeff() >= in_site)) continue;
-      side.site = near.site;
-      break;
+      if (weights_in(near.corners, x).minCoeff() >= in_site) side.site = near.site;
+      if (side.site >= 0) break;
     }
+  }
+}
+
+void BladeEdge::add_sides(std::vector<BladePoint>& state) const {
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    const Side& side = sides_[k];
+    if (side.site < 0) continue;
+    const double behind = blade_.height * (static_cast<double>(k % side_rows_) + 0.5) / static_cast<double>(side_rows_);
+    state.push_back({.place = count_ + static_cast<Index>(k),
+                     .cell = sites_[side.site].row,
+                     .weights = {side.at[0], side.at[1], side.at[2], side.at[3]},
+                     .along = curve_.unrolled(side.place).x(),
+                     .ahead = -behind});
   }
 }
 

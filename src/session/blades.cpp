@@ -115,6 +115,7 @@ class EdgeNow {
     if (blade_.toughness == 0.0) return true;
     const BladePoint* nearest = nullptr;
     for (const BladePoint& point : points_) {
+      if (point.ahead < 0.0) continue;  // of the sides
       const double apart = std::abs(point.along - at.x());
       if (apart < spacing_ && (nearest == nullptr || apart < std::abs(nearest->along - at.x()))) nearest = &point;
     }

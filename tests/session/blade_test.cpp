@@ -156,28 +156,60 @@ TEST(Blade, WorkPerAreaIsTheToughnessAlsoUnderTension) {
 /// Sides of 10 mm behind the edge: on the way in each of them is in tissue as far as the edge, and on the way out,
 /// where nothing is cut, they alone resist.
 TEST(Blade, SidesRubByTheirAreaInTissue) {
-  constexpr double toughness = 20.0, friction = 1500.0, height = 0.01, length = 0.015, by = 0.05e-3;
-  Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.02}, 12, 8, 4, 0.25, 7), 600),
+  constexpr double friction = 1500.0, height = 0.01, length = 0.015, by = 0.05e-3;
+  for (const double toughness : {20.0, 0.0}) {
+    SCOPED_TRACE(toughness);
+    Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.02}, 12, 8, 4, 0.25, 7), 600),
+                   {.material = {5e4, 0.45, 1000.0}, .backend = "cpu", .damping = {.rate = 20.0}});
+    ToolPose pose = Stroke::first(0.005);
+    const ToolHandle blade = sim.scene().fix("z0").add_tool(
+        "scalpel",
+        {.shape = Blade{.width = 0.02, .toughness = toughness, .height = height, .friction = friction}, .pose = pose});
+    double in = 0.0, out = 0.0;
+    for (int tick = 0; tick < 1500; ++tick) {
+      pose.position.x() += tick < 900 ? -by : by;
+      blade.move_to(pose);
+      ASSERT_TRUE(sim.advance(1e-3).ok());
+      const double force = sim.force_on(blade).mean_force.x();
+      if (tick >= 400 && tick < 900) in += force / 500;
+      if (tick >= 1100) out -= force / 400;
+    }
+    EXPECT_NEAR(in / (length * (toughness + friction * height)), 1.0, 0.05);
+    EXPECT_NEAR(out / (length * friction * height), 1.0, 0.05);
+  }
+}
+
+/// The edge has come out by 5 mm on the far side and is drawn back, at last with 17 to 19 mm of the sides in tissue; also
+/// after a snapshot.
+TEST(Blade, SidesStayInTissueThatTheEdgeHasLeft) {
+  constexpr double friction = 1500.0, length = 0.015;
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.02}, 12, 8, 4, 0.25, 7), 900),
                  {.material = {5e4, 0.45, 1000.0}, .backend = "cpu", .damping = {.rate = 20.0}});
   ToolPose pose = Stroke::first(0.005);
   const ToolHandle blade = sim.scene().fix("z0").add_tool(
       "scalpel",
-      {.shape = Blade{.width = 0.02, .toughness = toughness, .height = height, .friction = friction}, .pose = pose});
-  double in = 0.0, out = 0.0;
-  for (int tick = 0; tick < 900; ++tick) {
-    pose.position.x() -= by;
-    blade.move_to(pose);
-    ASSERT_TRUE(sim.advance(1e-3).ok());
-    if (tick >= 400) in += sim.force_on(blade).mean_force.x() / 500;
-  }
-  for (int tick = 0; tick < 600; ++tick) {
-    pose.position.x() += by;
-    blade.move_to(pose);
-    ASSERT_TRUE(sim.advance(1e-3).ok());
-    if (tick >= 200) out -= sim.force_on(blade).mean_force.x() / 400;
-  }
-  EXPECT_NEAR(in / (length * (toughness + friction * height)), 1.0, 0.05);
-  EXPECT_NEAR(out / (length * friction * height), 1.0, 0.05);
+      {.shape = Blade{.width = 0.02, .toughness = 20.0, .height = 0.02, .friction = friction}, .pose = pose});
+  const auto go_on = [&](double by, int ticks) {
+    double mean = 0.0;
+    for (int tick = 0; tick < ticks; ++tick) {
+      pose.position.x() += by;
+      blade.move_to(pose);
+      EXPECT_TRUE(sim.advance(1e-3).ok());
+      mean += sim.force_on(blade).mean_force.x() / ticks;
+    }
+    return mean;
+  };
+  go_on(-0.1e-3, 670);
+  ASSERT_TRUE(std::ranges::none_of(sim.state().tools[0].blade, [](const BladePoint& p) { return p.ahead >= 0.0; }));
+  const Snapshot snapshot = sim.snapshot();
+  const ToolPose there = pose;
+  go_on(0.02e-3, 100);  // until the tissue has gone the other way
+  EXPECT_NEAR(go_on(0.02e-3, 100) / (-friction * length * 0.018), 1.0, 0.05);
+  const State end = sim.state();
+  sim.restore(snapshot);
+  pose = there;
+  go_on(0.02e-3, 200);
+  EXPECT_EQ(sim.state(), end);
 }
 
 /// A loop of wire goes along a slab's upper side with its ends above it: what it takes off is a half round, and the
