@@ -66,12 +66,12 @@ Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
 
 Solver& Simulation::Parts::solver() {
   if (!made) {
+    warnings = warnings_of(model, scene, topology->options.law != Law::springs);
     made = options.make_solver ? options.make_solver(topology, scene, options.solver)
                                : phymul::make_solver(options.backend, topology, scene, options.solver);
     if (!made) throw Error("SimulationOptions::make_solver returned no solver");
     // Nothing is converted yet: the solver is at rest, and its first steps are not known.
     started = Start{.wanted = made->read(), .taken = made->read()};
-    warnings = warnings_of(model, scene, topology->options.law != Law::springs);
     warnings.insert(warnings.end(), topology->notes.begin(), topology->notes.end());
     if (options.solver.sleep_tolerance) {
       const bool has_material = !topology->domains.empty(), dissipates = !topology->dissipation.empty();

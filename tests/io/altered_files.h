@@ -14,6 +14,8 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #ifdef __linux__
 #include <sys/resource.h>
@@ -62,6 +64,7 @@ class AlteredFiles {
 
   void hold(const std::string& what, const std::string& bytes, Must must) {
     SCOPED_TRACE(name_ + ": " + what);
+    testing::Test::RecordProperty(name_, ++held_);
     const auto start = std::chrono::steady_clock::now();
     std::string got, message;
     try {
@@ -133,12 +136,46 @@ class AlteredFiles {
     damage(cuts, flips);
   }
 
+  /// As editors and broken transfers do: at up to `places`, from the byte `from` on, a line is missing, there twice, or
+  /// without its last word, has one more, or another first one.
+  void damage_lines(std::size_t places, Must must = Must::either, std::size_t from = 0) {
+    std::vector<std::pair<std::size_t, std::size_t>> lines;  // where they begin and end
+    for (std::size_t at = from, end = 0; at < bytes_.size(); at = end + 1) {
+      end = std::min(bytes_.find('\n', at), bytes_.size());
+      if (end > at) lines.emplace_back(at, end);
+    }
+    const std::size_t stride = std::max<std::size_t>(lines.size() / places, 1);
+    for (std::size_t k = 0; k < lines.size(); k += stride) {
+      const auto& [at, end] = lines[k];
+      const std::string line = bytes_.substr(at, end - at), shown = " of line " + std::to_string(k) + ": " + line;
+      const auto with = [&](const std::string& what, const std::string& other) {
+        hold(what + shown, std::string(bytes_).replace(at, line.size(), other), must);
+      };
+      hold("none" + shown, std::string(bytes_).erase(at, line.size() + 1), must);
+      with("two", line + '\n' + line);
+      with("last word", line.substr(0, line.find_last_of(" \t", line.size() - 2) + 1));
+      with("one more word", line + " 7");
+      with("first word", 'x' + line.substr(std::min(line.find_first_of(" \t", 1), line.size())));
+    }
+  }
+
+  /// The same of bytes: at each place one is missing, or there twice.
+  void damage_bytes(std::size_t places, Must must = Must::either, std::size_t from = 0) {
+    for (std::size_t k = 0; k < places; ++k) {
+      const std::size_t at = from + (bytes_.size() - from) * k / places;
+      const std::string place = " byte " + std::to_string(at);
+      hold("no" + place, std::string(bytes_).erase(at, 1), must);
+      hold("twice" + place, std::string(bytes_).insert(at, 1, bytes_[at]), must);
+    }
+  }
+
   const std::string& bytes() const { return bytes_; }
 
  private:
   std::string name_, bytes_;
   Read read_;
   std::string valid_;
+  int held_ = 0;  // files, which --gtest_output=json tells of each name
 };
 
 }  // namespace phymul::test

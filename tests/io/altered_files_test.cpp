@@ -53,6 +53,7 @@ TEST(AlteredLabels, Nifti) {
   file.put<float>(112, {2.0f}, Must::fail);                                               // a scale
   file.put<char>(345, {'i', '-'}, Must::fail);
   file.damage(12, 20, Must::fail);
+  file.damage_bytes(150);
   AlteredFiles("b.nii", framed.bytes(), read_altered_labels).put<float>(280, {0.0f, nan, infinity}, Must::fail);
   Nifti large;  // enough that zlib could stop before the checksum
   large.dimensions({3, 64, 32, 20, 1, 1, 1, 1});
@@ -63,6 +64,7 @@ TEST(AlteredLabels, Nifti) {
   for (const std::string& bytes : {framed.bytes(), large.bytes()}) {
     AlteredFiles zip("a.nii.gz", zipped(bytes), read_altered_labels);
     zip.damage(15, 40, Must::either, Must::either, 10);
+    zip.damage_bytes(60, Must::either, 10);
   }
 }
 
@@ -79,8 +81,10 @@ TEST(AlteredLabels, Nrrd) {
 ! spacings: 1 2 3 | spacings: 0 2 3 | spacings: 1 inf 3 | spacings: 1 2 | spacings: a b c)");
   file.hold("a voxel too many", file.bytes() + std::string(2, '\0'), Must::either);
   file.damage(12, 20, Must::fail);
+  file.damage_bytes(150, Must::either, file.bytes().find("\n\n"));
   AlteredFiles zip("b.nrrd", nrrd(plain + "encoding: gzip\n", zipped(bytes_of(counted()))), read_altered_labels);
   zip.damage(12, 60, Must::either, Must::either, zip.bytes().find("\n\n") + 12);
+  zip.damage_bytes(40);
 }
 
 TEST(AlteredStates, FilesAndRecordings) {
@@ -107,6 +111,7 @@ TEST(AlteredStates, FilesAndRecordings) {
   });
   for (AlteredFiles* file : {&one, &two}) {
     file->damage(15, 30, Must::fail, Must::fail);
+    file->damage_bytes(230, Must::fail);
     file->hold("twice", file->bytes() + file->bytes(), Must::fail);
     file->hold("a byte more", file->bytes() + 'x', Must::fail);
   }

@@ -62,11 +62,13 @@ TEST(AlteredMeshes, Vtk) {
 ! 1.7 | nan | -inf | 1,7 | 1e999 | 1.7.1 | 0x1.8p0   ! ASCII | BINARY | TEXT   ! \n14 | \n0 | \n-14 | \n4294967310
 ! # vtk DataFile | # vtk   ! DATASET UNSTRUCTURED_GRID | DATASET POLYDATA)");
   old.damage_text(15, 20);
+  old.damage_lines(100);
 
   AlteredFiles newer = sample_mesh("mixed_51.vtk");
   newer.alter(R"(! CELLS 9 33 | CELLS 9 34 | CELLS 9 32 | CELLS 8 33 | CELLS 10 33 | CELLS 0 0   ! 28 33 | 28 32 | 28 34
 ! 0 1 3 | 0 -1 3 | 1 1 3   ! OFFSETS vtktypeint64 | OFFSETS   ! CONNECTIVITY | CONNECTIONS)");
   newer.damage_text(10, 10);
+  newer.damage_lines(100);
   AlteredFiles open_ended("t.vtk",
                           "# vtk DataFile Version 5.1\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
                           "0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 3 6\nOFFSETS int\n0 4 6\nCONNECTIVITY int\n0 1 2 3 2 3\n"
@@ -77,6 +79,7 @@ TEST(AlteredMeshes, Vtk) {
     AlteredFiles binary = sample_mesh(name);
     binary.alter(R"(! BINARY | ASCII   ! POINTS 12 | POINTS 13 | POINTS 11   ! double | float)");
     binary.damage(12, 25);
+    binary.damage_bytes(60);
   }
 }
 
@@ -100,6 +103,7 @@ TEST(AlteredMeshes, Vtu) {
 !   </UnstructuredGrid> |   </UnstructuredGrid><UnstructuredGrid/>
 ! <UnstructuredGrid> | <UnstructuredGrid></UnstructuredGrid><UnstructuredGrid>)");
   text.damage_text(15, 20);
+  text.damage_lines(100);
   for (const char* name :
        {"mixed_appended64.vtu", "mixed_base64_zlib.vtu", "mixed_raw.vtu", "mixed_raw_zlib_big.vtu"}) {
     AlteredFiles coded = sample_mesh(name);
@@ -111,6 +115,7 @@ TEST(AlteredMeshes, Vtu) {
         R"(! NumberOfPoints="12" | NumberOfPoints="11" | NumberOfPoints="999999999999"   ! NumberOfCells="8" | NumberOfCells="7"
 ! Float64 | Float32)");
     coded.damage(12, 25);
+    coded.damage_bytes(60);
   }
 }
 
@@ -129,6 +134,7 @@ TEST(AlteredMeshes, Gmsh) {
 ! 3 1 5 1\n5 | 3 1 5 2\n5 | 3 1 5 99999999999\n5 | 3 1 4 1\n5   ! 2 21 22 | 2 21 23 | 2 21 -22 | 2 21 0
 ! 1.5 0.5 1\n | 1.5 0.5 inf\n | 1.5 0,5 1\n | 1.5 0.5\n   ! $EndNodes | $Endnodes)");
   four.damage_text(15, 20);
+  four.damage_lines(100);
 
   AlteredFiles two = sample_mesh("mixed_22.msh");
   two.hold("elements twice", two.bytes() + two.bytes().substr(two.bytes().find("$Elements")), Must::fail);
@@ -137,10 +143,12 @@ TEST(AlteredMeshes, Gmsh) {
 ! 1 15 2 1 7 12 | 1 15 1 1 7 12 | 1 15 3 1 7 12 | 1 15 -2 1 7 12 | 1 15 2 1 7 99 | 1 1 2 1 7 12
 ! 2.2 0 8 | 4.1 0 8 | 2.2 1 8 | 3 0 8)");
   two.damage_text(10, 10);
+  two.damage_lines(100);
   for (const char* name : {"mixed_41_binary.msh", "mixed_22_binary.msh"}) {
     AlteredFiles binary = sample_mesh(name);
     binary.alter(R"(!  1 8\n |  0 8\n |  2 8\n   ! $EndNodes | $EndNode)");
     binary.damage(12, 25);
+    binary.damage_bytes(60, Must::either, binary.bytes().find("$Nodes"));
   }
   AlteredFiles one("old.msh",
                    "$NOD\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$ENDNOD\n"
@@ -191,6 +199,7 @@ TEST(AlteredMeshes, Pml) {
 ! TETRAHEDRON | PYRAMID | tetrahedron   ! <atoms> | <atoms></atoms><atoms>
 ! <exclusiveComponents> | <exclusiveComponents/><exclusiveComponents>)");
   pml.damage_text(15, 20);
+  pml.damage_lines(100, Must::any);
   AlteredFiles("rich.pml", rich_pml(), read).damage(40, 400);
 }
 
@@ -223,6 +232,7 @@ TEST(AlteredMeshes, Lml) {
 ! date='1' | date='1' date='2' | _   ! y='1' | y='0' | y='NaN'   ! <unit>N | <unit>mm | <unit>kN</unit><unit>N
 ! type='Force' | type='Torque'   ! <loads> | <physicalModel>)");
   lml.damage_text(15, 20);
+  lml.damage_lines(100, Must::any);
   AlteredFiles("rich.lml", rich_lml, read).damage(40, 400);
 }
 

@@ -44,12 +44,14 @@ TEST(AlteredSurfaces, Stl) {
 ! vertex 30 | vertex 30 20 0\nvertex 30
 ! vertex 30 20 0\n | _   ! facet normal | facet   ! endloop | _   ! endfacet | _   ! endsolid box | _   ! outer loop | _)");
   text.damage_text(15, 20);
+  text.damage_lines(100);
   AlteredFiles binary("bin.stl", stl_bytes(box()), read_altered_surface);
   binary.hold("a head as of a text", "solid box" + binary.bytes().substr(9), Must::be_same);
   binary.hold("a byte too many", binary.bytes() + ' ', Must::either);
   binary.put<std::uint32_t>(80, {0, 11, 13, 0xffffffff, 1 << 30, 12 << 24}, Must::fail);  // triangles
   binary.put<float>(146, {infinity, nan}, Must::fail);
   binary.damage(12, 20);
+  binary.damage_bytes(200);
 }
 
 TEST(AlteredSurfaces, Obj) {
@@ -68,7 +70,8 @@ TEST(AlteredSurfaces, Obj) {
 ! v 30 20 10 | v 30 20 | v | v 30 20 nan | v 30 20 inf | v 30 20 1e999 | v 30 20 ten | v 30 20 10x | v 30 20 1.0.0
 ! v 30 20 10 | v 30 20 0x10 | v 30 20 10,5 | vn 30 20 10
 ! v 30 20 10\n | _)");
-  obj.damage_text(15, 20);
+  obj.damage_text(100, 320);
+  obj.damage_lines(100, Must::either, obj.bytes().find("f "));
 }
 
 TEST(AlteredSurfaces, Ply) {
@@ -88,6 +91,7 @@ TEST(AlteredSurfaces, Ply) {
     text.hold(face, head + face + '\n', Must::fail);
   }
   text.damage_text(15, 20);
+  text.damage_lines(100);
   AlteredFiles binary("bin.ply", ply_bytes(), read_altered_surface);
   const std::string other_way = ply_bytes(true);
   binary.hold("the other order, not said", other_way, Must::fail);
@@ -97,6 +101,7 @@ TEST(AlteredSurfaces, Ply) {
 ! little | big   ! vertex 8 | vertex 7 | vertex 9 | vertex 4000000000
 ! face 12 | face 13 | face 11 | face 4000000000   ! float x | double x   ! uchar int | int int | uchar short)");
   binary.damage(12, 25);
+  binary.damage_bytes(120);
 }
 
 TEST(AlteredSurfaces, Gltf) {
@@ -115,6 +120,7 @@ TEST(AlteredSurfaces, Gltf) {
 ! "byteLength":96 | "byteLength":95 | "byteLength":99999999999   ! "buffer":0 | "buffer":1   ! 0.001 | 1e999 | 0
 ! base64, | ,)");
   text.damage(15, 20, Must::either, Must::any, 0, text.bytes().find("base64"));
+  text.damage_bytes(150, Must::either, text.bytes().find("base64"));
   AlteredFiles glb("box.glb", glb_of(glb_json() + ' ', std::string((4 - (glb_json().size() + 1) % 4) % 4, ' '), ""),
                    read_altered_surface);
   for (const std::size_t at : {std::size_t{0}, std::size_t{4}, std::size_t{8}, std::size_t{12}, std::size_t{16},
@@ -122,6 +128,7 @@ TEST(AlteredSurfaces, Gltf) {
     glb.put<std::uint32_t>(at, {0, 1, 0x7fffffff, 0xffffffff}, at == 8 ? Must::either : Must::fail);
   }
   glb.damage(12, 25);
+  glb.damage_bytes(100);
 }
 
 }  // namespace

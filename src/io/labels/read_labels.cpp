@@ -55,6 +55,13 @@ void fail_missing_voxels(const std::string& path, std::size_t count, NumberType 
                   " bytes, but the file of " + std::to_string(std::filesystem::file_size(path)) + " bytes ends before");
 }
 
+void require_whole_voxels(const std::string& path, std::uint64_t more, NumberType type) {
+  if (more % size_of(type) == 0) return;
+  fail_format(path, 0,
+              "expected whole voxels of " + std::to_string(size_of(type)) + " bytes, got " + std::to_string(more) +
+                  " bytes behind those that the header announces; the file is damaged");
+}
+
 void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type, std::uint64_t most) {
   if (count * size_of(type) / most > std::filesystem::file_size(path)) fail_missing_voxels(path, count, type);
 }

@@ -123,13 +123,16 @@ std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_he
   if (!file) fail_access(path, "the file cannot be opened");
   const bool is_whole =
       znzseek(file, static_cast<long>(offset), SEEK_SET) >= 0 && znzread(voxels.data(), 1, bytes, file) == bytes;
-  // zlib compares the checksum where it comes to the end. A byte more is no fault.
-  char more = 0;
-  const bool is_sound = znzread(&more, 1, 1, file) <= 1;
-  znzclose(file);
+  // zlib compares the checksum where it comes to the end, and says only when closed that the end is cut off. More
+  // voxels are no fault.
+  std::array<char, 4096> rest{};
+  std::size_t read = rest.size(), more = 0;
+  for (; read == rest.size(); more += read) read = znzread(rest.data(), 1, rest.size(), file);
+  const bool is_sound = znzclose(file) == 0 && read < rest.size();
   if (is_whole && !is_sound)
     fail_format(path, 0, "expected compressed voxels of another checksum; the file is damaged");
   if (!is_whole) fail_missing_voxels(path, count, type);
+  require_whole_voxels(path, more, type);
   return labels_of(path, voxels.data(), count, type, is_swapped);
 }
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -273,8 +274,11 @@ LabelImage read_nrrd(const std::string& path) {
   const bool elsewhere = of_header->dataFNFormat != nullptr || of_header->dataFNArr->len > 0;
   // bzip2 makes gigabytes of some hundred bytes.
   if (!elsewhere && of_header->encoding != nrrdEncodingBzip2) require_voxel_bytes(path, count, type, most_inflation);
-  if (!elsewhere && of_header->encoding == nrrdEncodingGzip && of_header->lineSkip == 0 && of_header->byteSkip == 0) {
-    require_checksum(path, start);
+  const bool is_at_start = !elsewhere && of_header->lineSkip == 0 && of_header->byteSkip == 0;
+  if (is_at_start && of_header->encoding == nrrdEncodingGzip) require_checksum(path, start);
+  if (is_at_start && of_header->encoding == nrrdEncodingRaw) {
+    const std::uint64_t all = static_cast<std::uint64_t>(start) + count * size_of(type);
+    require_whole_voxels(path, std::max<std::uint64_t>(std::filesystem::file_size(path), all) - all, type);
   }
 
   const File file = load(path, make_reading().get(), false);

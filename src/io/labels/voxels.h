@@ -29,6 +29,9 @@ std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>
 /// Throws Error: the file ends before its voxels do.
 [[noreturn]] void fail_missing_voxels(const std::string& path, std::size_t count, NumberType type);
 
+/// Throws Error where the bytes behind the voxels hold a part of one: some were added or lost.
+void require_whole_voxels(const std::string& path, std::uint64_t more, NumberType type);
+
 /// Throws it where a file cannot hold so many bytes of voxels, however well compressed: `most` is the most that its
 /// compression makes of a byte.
 void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type, std::uint64_t most);

@@ -74,6 +74,8 @@ class GmshReader {
       skip_section(name);
       return;
     }
+    // Names are text in binary files, too.
+    if (in_.is_binary() && name != "PhysicalNames") in_.expect_line_end("binary numbers");
     in_.expect_word(end_of(name));
   }
 

@@ -93,6 +93,12 @@ class VtkLegacyReader {
     in_.use_binary(std::endian::native == std::endian::little);
   }
 
+  /// Binary ones are followed by a line end: else bytes of them are missing, or there are too many.
+  void end_numbers() {
+    if (binary_) in_.expect_line_end("binary numbers");
+    in_.use_text();
+  }
+
   /// Least bytes of a number in the body of a section, while its head, which is text, is being read.
   std::size_t body_bytes(NumberType type) const { return binary_ ? size_of(type) : 2; }
 
@@ -106,7 +112,7 @@ class VtkLegacyReader {
     require_room(n, 3 * body_bytes(type), "points");
     parts_.points.reserve(n);
     for (std::size_t i = 0; i < n; ++i) parts_.points.push_back(in_.point(type));
-    in_.use_text();
+    end_numbers();
   }
 
   void require_room(std::size_t n, std::size_t bytes_each, const char* what) {
@@ -138,7 +144,7 @@ class VtkLegacyReader {
       in_.seek(head);
       read_cell_list(first, second);
     }
-    in_.use_text();
+    end_numbers();
   }
 
   /// Version 5: OFFSETS type, one more than cells; CONNECTIVITY type, the point numbers.
@@ -159,7 +165,7 @@ class VtkLegacyReader {
       in_.fail("expected offsets up to " + std::to_string(entries) + ", the number of point numbers, got " +
                std::to_string(cells_.offset.back()) + " as the last; the file is damaged: export it again");
     }
-    in_.use_text();
+    end_numbers();
     const std::string keyword = lower_case(in_.word());
     if (keyword != "connectivity") in_.fail("expected CONNECTIVITY, got " + cited(keyword) + "; the file is damaged");
     const NumberType type = number_type();
@@ -200,7 +206,7 @@ class VtkLegacyReader {
     if (!cells_.types.empty()) in_.fail("expected CELL_TYPES once, got them again; the file is damaged");
     begin_numbers();
     for (std::size_t c = 0; c < n; ++c) cells_.types.push_back(in_.integer(NumberType::int32, "a cell type"));
-    in_.use_text();
+    end_numbers();
   }
 
   void skip_field() {
@@ -218,7 +224,7 @@ class VtkLegacyReader {
       begin_numbers();
       if (components != 0) require_room(tuples, components * body_bytes(type), "tuples");
       in_.skip_numbers(components * tuples, type);
-      in_.use_text();
+      end_numbers();
     }
   }
 
