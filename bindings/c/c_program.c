@@ -266,6 +266,8 @@ static const char* sutured(phymul_body* body, struct c_results* out) {
   const phymul_thread silk = {.size = sizeof silk, .length = 0.1, .friction = -1, .channel_friction = 0.01};
   uint64_t stitch = 0, clip = 0, shaft = 0;
   REFUSED(phymul_thread_sew(sim, &silk, places, 1, &stitch), PHYMUL_INVALID_ARGUMENT, "places")
+  const phymul_thread wrong = {.size = sizeof wrong, .length = 0.1, .damping = -5};
+  REFUSED(phymul_thread_sew(sim, &wrong, places, 4, &stitch), PHYMUL_INVALID_ARGUMENT, "damping")
   DO(phymul_thread_sew(sim, &silk, places, 4, &stitch))
   REFUSED(phymul_thread_pull(sim, stitch, 2, right), PHYMUL_INVALID_ARGUMENT, "a tip")
   REFUSED(phymul_thread_pull(sim, stitch + 1, PHYMUL_LAST, right), PHYMUL_UNKNOWN_NAME, "thread")

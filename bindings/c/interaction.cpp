@@ -13,7 +13,7 @@ static_assert(static_cast<int>(ToolContact::surface) == PHYMUL_TOUCHES_SURFACE);
 namespace phymul::c {
 
 ToolHandle tool_of(phymul_simulation* sim, uint64_t tool) {
-  Scene& scene = need(sim, "a simulation").simulation.scene();
+  Scene& scene = scene_of(sim);
   return scene.tool(name_of(scene.tools(), tool, "tool"));
 }
 
@@ -31,7 +31,7 @@ Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
   const phymul_anchor from = options_of(given, "an anchor");
   if (!from.particles) {
     if (from.tool == 0) return at_world(vector(from.point, "a point"));
-    const Scene& scene = need(sim, "a simulation").simulation.scene();
+    const Scene& scene = scene_of(sim);
     return at_tool(name_of(scene.tools(), from.tool, "tool"), vector(from.point, "a point"));
   }
   const auto particles = list(from.particles, from.count, "particles");
@@ -44,7 +44,7 @@ Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
 namespace {
 
 JointHandle joint_of(phymul_simulation* sim, uint64_t joint) {
-  Scene& scene = need(sim, "a simulation").simulation.scene();
+  Scene& scene = scene_of(sim);
   return scene.joint(name_of(scene.joints(), joint, "joint"));
 }
 
@@ -102,8 +102,7 @@ phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options*
     need(tool, "a place for the tool");
     const phymul_tool_options from = options_of(options, "options of a tool");
     require_kind(from.contact, PHYMUL_TOUCHES_PARTICLES, 2, "a kind of contact");
-    *tool = need(sim, "a simulation")
-                .simulation.scene()
+    *tool = scene_of(sim)
                 .add_tool(Tool{.shape = shape_of(from),
                                .pose = from.pose ? pose_of(from.pose) : ToolPose{},
                                .friction = from.friction,
@@ -116,7 +115,7 @@ phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options*
 
 phymul_status phymul_tool_remove(phymul_simulation* sim, uint64_t tool) {
   return guarded([&] {
-    Scene& scene = need(sim, "a simulation").simulation.scene();
+    Scene& scene = scene_of(sim);
     scene.remove_tool(std::string(name_of(scene.tools(), tool, "tool")));
   });
 }
@@ -171,7 +170,7 @@ phymul_status phymul_tool_read_force(phymul_simulation* sim, uint64_t tool, phym
 phymul_status phymul_needle_read(phymul_simulation* sim, uint64_t tool, phymul_needle_state* state) {
   return guarded([&] {
     const Place place(state, "a place for the state of the needle");
-    const Scene& scene = need(sim, "a simulation").simulation.scene();
+    const Scene& scene = scene_of(sim);
     const std::string& name = name_of(scene.tools(), tool, "tool");
     if (!std::holds_alternative<Needle>(std::ranges::find(scene.tools(), tool, &SceneTool::id)->tool.shape))
       throw Error("expected a needle; the tool \"" + name + "\" has another shape");
@@ -192,7 +191,7 @@ phymul_status phymul_needle_read(phymul_simulation* sim, uint64_t tool, phymul_n
 phymul_status phymul_needle_points(phymul_simulation* sim, uint64_t tool, int32_t count, double* points) {
   return guarded([&] {
     need(points, "a place for the points");
-    const std::string& name = name_of(need(sim, "a simulation").simulation.scene().tools(), tool, "tool");
+    const std::string& name = name_of(scene_of(sim).tools(), tool, "tool");
     const VecList places = sim->simulation.solver().needle_points(name, count);
     for (std::size_t k = 0; k < places.size(); ++k) store(places[k], points + 3 * k);
   });
@@ -205,7 +204,7 @@ phymul_status phymul_jaws_create(phymul_simulation* sim, const char* name, const
     JawsOptions wanted = constants_of(options, jaws_constants, "options of jaws");
     if (options && options_of(options, "options of jaws").touches_particles != 0)
       wanted.contact = ToolContact::particles;
-    Scene& scene = need(sim, "a simulation").simulation.scene();
+    Scene& scene = scene_of(sim);
     *made = new phymul_jaws{.jaws = Jaws(scene, &need(name, "a name of the jaws"), wanted, pose_of(hinge))};
   });
 }
@@ -250,7 +249,7 @@ phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_anchor* a, c
     Joint added{.stiffness = from.stiffness, .damping = from.damping, .slack = from.slack != 0};
     if (from.breaking != 0.0) added.breaking_force = from.breaking;
     added.springs.push_back({.a = anchor_of(sim, a), .b = anchor_of(sim, b), .rest_length = from.rest_length});
-    *joint = need(sim, "a simulation").simulation.scene().add_joint(std::move(added)).id();
+    *joint = scene_of(sim).add_joint(std::move(added)).id();
   });
 }
 
@@ -263,7 +262,7 @@ phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, in
     Attachment springs{.stiffness = from.stiffness, .damping = from.damping, .slack = from.slack != 0};
     if (from.breaking != 0.0) springs.breaking_stress = from.breaking;
     const auto patch = list(particles, count, "particles");
-    Scene& scene = need(sim, "a simulation").simulation.scene();
+    Scene& scene = scene_of(sim);
     if (group) {
       *joint = scene.attach(patch, group, springs).id();
     } else if (tool != 0) {
@@ -285,7 +284,7 @@ phymul_status phymul_hold_near(phymul_simulation* sim, const double* vertices, i
     const Vec3 middle = vector(centre, "a centre");
     const SurfacePatch patch =
         sample_surface(surface, spacing, [&](const Vec3& place) { return (place - middle).norm() <= radius; });
-    *joint = need(sim, "a simulation").simulation.scene().hold(patch).id();
+    *joint = scene_of(sim).hold(patch).id();
   });
 }
 
@@ -300,7 +299,7 @@ phymul_status phymul_add_body_types(phymul_simulation* sim, const char** sentenc
 
 phymul_status phymul_joint_remove(phymul_simulation* sim, uint64_t joint) {
   return guarded([&] {
-    Scene& scene = need(sim, "a simulation").simulation.scene();
+    Scene& scene = scene_of(sim);
     scene.remove_joint(std::string(name_of(scene.joints(), joint, "joint")));
   });
 }

@@ -23,6 +23,10 @@ const std::string& name_of(const Rows& rows, uint64_t id, const char* what) {
                                            (known.empty() ? "; it has none" : "; it has: " + known));
 }
 
+inline Scene& scene_of(phymul_simulation* sim) {
+  return need(sim, "a simulation").simulation.scene();
+}
+
 ToolHandle tool_of(phymul_simulation* sim, uint64_t tool);
 ToolPose pose_of(const phymul_pose* given);
 Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given);
@@ -34,14 +38,14 @@ struct Constant {
   double To::*to;
 };
 
-/// Numbers that are 0 keep the default of C++, and those below 0 are 0. NULL: the defaults.
+/// Numbers that are 0 keep the default of C++; where that is not 0, those below 0 are 0. NULL: the defaults.
 template <class From, class To, std::size_t count>
 To constants_of(const From* given, const Constant<From, To> (&table)[count], const char* what) {
   To result{};
   if (!given) return result;
   const From from = options_of(given, what);
   for (const auto& row : table)
-    if (from.*row.from != 0.0) result.*row.to = std::max(from.*row.from, 0.0);
+    if (from.*row.from != 0.0) result.*row.to = result.*row.to != 0.0 ? std::max(from.*row.from, 0.0) : from.*row.from;
   return result;
 }
 

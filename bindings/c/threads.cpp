@@ -32,10 +32,6 @@ constexpr Constant<phymul_fluid, Fluid> fluid_constants[] = {{&phymul_fluid::out
                                                              {&phymul_fluid::exponent, &Fluid::exponent},
                                                              {&phymul_fluid::conductance, &Fluid::conductance}};
 
-Scene& scene_of(phymul_simulation* sim) {
-  return need(sim, "a simulation").simulation.scene();
-}
-
 ThreadHandle thread_of(phymul_simulation* sim, uint64_t thread) {
   Scene& scene = scene_of(sim);
   return scene.thread(name_of(scene.threads(), thread, "thread"));
@@ -57,14 +53,6 @@ phymul_status add_thread(phymul_simulation* sim, const phymul_thread* constants,
     need(thread, "a place for the thread");
     *thread = add(scene_of(sim), constants_of(constants, thread_constants, "constants of a thread")).id();
   });
-}
-
-/// A name that no other thread has.
-std::string new_name(const Scene& scene, const char* kind) {
-  for (std::size_t number = scene.threads().size() + 1;; ++number) {
-    const std::string name = kind + std::to_string(number);
-    if (std::ranges::find(scene.threads(), name, &SceneThread::name) == scene.threads().end()) return name;
-  }
 }
 
 Fluid fluid_of(const phymul_fluid* given) {
@@ -97,15 +85,15 @@ phymul_status phymul_thread_sew(phymul_simulation* sim, const phymul_thread* con
 phymul_status phymul_thread_swage(phymul_simulation* sim, const phymul_thread* constants, uint64_t needle,
                                   uint64_t* thread) {
   return add_thread(sim, constants, thread, [&](Scene& scene, const Thread& own) {
-    return scene.swage(new_name(scene, "thread "), own, name_of(scene.tools(), needle, "tool"));
+    return scene.swage(own, name_of(scene.tools(), needle, "tool"));
   });
 }
 
 phymul_status phymul_clip_add(phymul_simulation* sim, const phymul_clip* clip, const phymul_anchor* one,
                               const phymul_anchor* other, uint64_t* thread) {
   return add_thread(sim, nullptr, thread, [&](Scene& scene, const Thread&) {
-    return scene.add_clip(new_name(scene, "clip "), constants_of(clip, clip_constants, "constants of a clip"),
-                          anchor_of(sim, one), anchor_of(sim, other));
+    return scene.add_clip(constants_of(clip, clip_constants, "constants of a clip"), anchor_of(sim, one),
+                          anchor_of(sim, other));
   });
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Scene: what acts on a body: fixed particles, loads, gravity, tools, joints, threads, volume constraints and contacts.
-// It also has the present factors of stiffness. It may change between steps. What a scene does not contain costs no
-// time.
+// It also has the present factors of stiffness. It may change between steps. What is not in it costs no time.
 #pragma once
 
 #include <phymul/body_cut.h>
@@ -291,10 +290,12 @@ class Scene {
   /// the last tip cuts the thread off. Without a needle nothing is joined. Throws Error as add_thread() does, and for a
   /// tool that is not a needle.
   ThreadHandle swage(std::string name, const Thread& thread, std::string_view needle) &;
+  ThreadHandle swage(const Thread& thread, std::string_view needle) &;
   /// Clips two walls together, each held at its anchor of particles; ThreadHandle::pull() of both tips by 0, or
   /// remove_thread(), takes the clip off. It closes during the next step(). Throws Error as sew() does, and for a value
   /// out of its range.
   ThreadHandle add_clip(std::string name, const Clip& clip, const Anchor& one, const Anchor& other) &;
+  ThreadHandle add_clip(const Clip& clip, const Anchor& one, const Anchor& other) &;  ///< "clip 1" and so on
   ThreadHandle add_thread(const SceneThread& thread) &;  ///< as it was added, without its SceneThread::control
   Scene& remove_thread(std::string_view name);
   ThreadHandle thread(std::string_view name) &;  ///< throws Error, with the known names, for an unknown one
@@ -303,8 +304,8 @@ class Scene {
   SceneParts parts() const;  ///< tools, joints and threads, as a Snapshot has them (state.h)
   /// Makes tools, joints and threads those of a snapshot, in its order: removes others and adds missing ones. Handles
   /// stay valid if the scene had a tool of the same name, shape and constants, a joint of the same name and springs, or
-  /// a thread of the same name, constants and passages. Throws
-  /// Error as add_tool() and add_joint() do, and then changes nothing.
+  /// a thread of the same name, constants and passages. Throws Error as add_tool(), add_joint() and the functions that
+  /// add threads do, and then changes nothing.
   Scene& bring_back(const SceneParts& parts);
 
   /// From the next call of Simulation on, cells tear (phymul/tearing.h): all of the model, or those of one of its
@@ -324,15 +325,14 @@ class Scene {
   const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
-  /// Counts all changes except those that values_version() counts and those by a ToolHandle or
-  /// ThreadHandle (SceneTool and SceneThread count these).
-  /// A solver that finds a new value calls prepare() again.
   /// Says that cells of the model were removed, brought back or cut (Simulation calls it): what depends on
   /// surface and masses follows. Particles without mass stay at their rest places, nothing touches or pulls them, and
   /// springs of joints that end at one are broken.
   /// `cuts`: all that the body has. What is imposed on a particle, and an acceleration, is so on its copies as well.
   void body_changed(const BodyCuts& cuts = {});
   std::uint64_t body_version() const { return body_version_; }  ///< counts its calls
+  /// Counts all changes except those that values_version() counts and those by a ToolHandle or ThreadHandle (SceneTool
+  /// and SceneThread count these). A solver that finds a new value calls prepare() again.
   std::uint64_t version() const { return version_; }
   /// Counts calls of set_events(), of JointHandle, and of scale_stiffness() unless all factors were or become 1.
   std::uint64_t values_version() const { return values_version_; }

@@ -237,33 +237,26 @@ bool ContactCandidates::measure(std::span<const Vec3> place) {
 
 /// Any rotation is right; that of its body makes what a particle moves besides small.
 void ContactCandidates::find_shifts(std::span<const Vec3> place) {
-  struct Sums {
-    Mat3 product = Mat3::Zero();
-    Vec3 place = Vec3::Zero(), rest = Vec3::Zero();
-    double count = 0.0;
-    Mat3 rotation = Mat3::Identity();
-  };
-  const std::size_t bodies = triangles_.groups.size() - 1;
-  std::vector<Sums> of(bodies);
+  turns_.assign(triangles_.groups.size() - 1, {});
   const VecList& rest = surface_->rest;
   const auto each = [&](auto visit) {
-    for (std::size_t k = 0; k < place.size(); ++k) visit(k, of[surface_->particles[k].body]);
+    for (std::size_t k = 0; k < place.size(); ++k) visit(k, turns_[surface_->particles[k].body]);
   };
-  each([&](std::size_t k, Sums& sums) {
-    sums.place += place[k];
-    sums.rest += rest[k];
-    sums.count += 1.0;
+  each([&](std::size_t k, Turn& turn) {
+    turn.place += place[k];
+    turn.rest += rest[k];
+    turn.count += 1.0;
   });
-  each([&](std::size_t k, Sums& sums) {
-    sums.product += (place[k] - sums.place / sums.count) * (rest[k] - sums.rest / sums.count).transpose();
+  each([&](std::size_t k, Turn& turn) {
+    turn.product += (place[k] - turn.place / turn.count) * (rest[k] - turn.rest / turn.count).transpose();
   });
-  for (Sums& sums : of) {
-    if (!sums.product.allFinite()) continue;
-    const Eigen::JacobiSVD<Mat3> svd(sums.product, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    sums.rotation = svd.matrixU() * svd.matrixV().transpose();
+  for (Turn& turn : turns_) {
+    if (!turn.product.allFinite()) continue;
+    const Eigen::JacobiSVD<Mat3> svd(turn.product, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    turn.rotation = svd.matrixU() * svd.matrixV().transpose();
   }
   shift_.resize(place.size());
-  each([&](std::size_t k, const Sums& sums) { shift_[k] = place[k] - sums.rotation * rest[k]; });
+  each([&](std::size_t k, const Turn& turn) { shift_[k] = place[k] - turn.rotation * rest[k]; });
 }
 
 ContactCandidates::Motion ContactCandidates::motion_of(std::size_t particle) const {

@@ -90,6 +90,11 @@ class ContactCandidates {
     Box box{};
     Motion motion{};
   };
+  struct Turn {  // of a body since rest, and sums that it is found from
+    Mat3 rotation = Mat3::Identity(), product = Mat3::Zero();
+    Vec3 place = Vec3::Zero(), rest = Vec3::Zero();
+    double count = 0.0;
+  };
   struct Kept {
     std::size_t particle = 0, first = 0, count = 0;
   };
@@ -128,6 +133,7 @@ class ContactCandidates {
   std::vector<Near> listed_;
   std::vector<Box> node_box_, item_box_;           // of triangles_; a little more than rounding makes of a distance
   std::vector<Motion> node_motion_, item_motion_;  // of triangles_
+  std::vector<Turn> turns_;                        // [bodies]
   VecList shift_;                                  // [particles] m, displacements but for their body's rotation
   std::vector<double> node_search_, item_search_;  // m, by their edges
   std::vector<Index> met_;                         // items that the cluster in question meets

@@ -91,7 +91,11 @@ void Scene::bring_back_threads(const std::vector<SceneThread>& wanted) {
 
 Scene& Scene::bring_back(const SceneParts& wanted) {
   if (parts() == wanted) {
-    for (const SceneThread& thread : wanted.threads) this->thread(thread.name).set(thread.control);
+    for (const SceneThread& thread : wanted.threads) {
+      const ThreadHandle own = this->thread(thread.name);
+      own.own().direction = thread.direction;  // whether a needle may have made passages, so that knots have their rows
+      own.set(thread.control);
+    }
     return *this;
   }
   Scene next = copy();  // add_tool() and add_joint() check what is added

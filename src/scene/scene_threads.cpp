@@ -180,6 +180,10 @@ ThreadHandle Scene::swage(std::string name, const Thread& thread, std::string_vi
   return {*this, next_thread_++};
 }
 
+ThreadHandle Scene::swage(const Thread& thread, std::string_view needle) & {
+  return swage(default_name("thread", next_thread_, threads_), thread, needle);
+}
+
 ThreadHandle Scene::add_clip(std::string name, const Clip& clip, const Anchor& one, const Anchor& other) & {
   const std::string label = "clip \"" + name + "\": ";
   require_not_negative(label, "gap (m)", clip.gap);
@@ -195,6 +199,10 @@ ThreadHandle Scene::add_clip(std::string name, const Clip& clip, const Anchor& o
       sew(std::move(name), {.length = apart + 2.0 * clip.opening, .friction = 0.0}, std::vector<Anchor>{one, other});
   for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) added.clamp(tip, clip.holding, clip.gap);
   return added;
+}
+
+ThreadHandle Scene::add_clip(const Clip& clip, const Anchor& one, const Anchor& other) & {
+  return add_clip(default_name("clip", next_thread_, threads_), clip, one, other);
 }
 
 Scene& Scene::remove_thread(std::string_view name) {

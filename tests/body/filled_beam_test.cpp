@@ -50,7 +50,9 @@ TEST(FilledBeam, IsALittleTooSoft) {
       const double spacing = size.y() / across;
       Simulation sim(make_body(box, {.spacing = spacing}), options);
       sim.scene().hold(sample_surface(box, spacing / 3.0, [&](const Vec3& x) { return axes.col(0).dot(x) < 1e-9; }));
-      EXPECT_NEAR(sag(sim, axes) / right, 1.0, most) << direction << ", " << across;
+      const double softer = sag(sim, axes) / right - 1.0;
+      EXPECT_GT(softer, 0.0) << direction << ", " << across;
+      EXPECT_LT(softer, most) << direction << ", " << across;
     }
   }
 }

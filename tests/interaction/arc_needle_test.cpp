@@ -180,7 +180,6 @@ TEST(ArcNeedle, IsTakenElsewhereThriceAndItsThreadFollows) {
   EXPECT_NEAR(gap(), closed, 5e-4);
 }
 
-/// A whole suture, from states in its middle too.
 /// A knot of a passage that is still to come waits for it. A thread that was sewn and then joined to the needle's tail
 /// is tied by the rows that the needle makes, also after it was cut off, and in a copy of the scene.
 TEST(ArcNeedle, KnotsOfPassagesToComeWaitForThem) {
@@ -204,8 +203,13 @@ TEST(ArcNeedle, KnotsOfPassagesToComeWaitForThem) {
   Scene other(run.wound.model);
   other.bring_back(run.wound.scene.parts());
   EXPECT_EQ(other.thread("suture").thread().control, run.thread.thread().control);
+  const ThreadHandle again = other.remove_thread("suture").sew("suture", run.thread.thread().thread,
+                                                               run.thread.thread().passages);  // not joined yet
+  other.bring_back(run.wound.scene.parts());
+  EXPECT_EQ(again.thread().control, run.thread.thread().control);
 }
 
+/// A whole suture, from states in its middle too.
 TEST(ArcNeedle, AReplayOfASutureIsTheRunBitForBit) {
   Sewing run;
   Recorder recorder(*run.solver, run.wound.scene);

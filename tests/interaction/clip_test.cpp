@@ -85,6 +85,15 @@ TEST(Clip, ClosesTwoWallsAndIsTakenOff) {
   EXPECT_NEAR(wound.gap_of(solver->read()), 6e-3, 2e-4);
 }
 
+TEST(Clip, HasANameWithoutOneGiven) {
+  Wound wound({0.02, 0.02, 0.01}, 0.006);
+  const auto add = [&] { return wound.scene.add_clip({}, at_particle(0), at_particle(5)).thread().name; };
+  EXPECT_EQ(add(), "clip 1");
+  EXPECT_EQ(wound.scene.swage({}, "").thread().name, "thread 2");
+  wound.scene.remove_thread("clip 1");
+  EXPECT_EQ(add(), "clip 3");
+}
+
 TEST(Clip, RefusesWhatIsNone) {
   Wound wound({0.02, 0.02, 0.01}, 0.006);
   const auto add = [&](const Clip& clip, const Anchor& other) {

@@ -18,6 +18,7 @@
 
 #include "interaction/closest_point.h"
 #include "interaction/contact_candidates.h"
+#include "support/allocation_count.h"
 #include "support/run_scenes.h"
 #include "support/sanitized.h"
 #include "support/touching_bodies.h"
@@ -130,6 +131,24 @@ TEST(ContactCandidates, MissNothingOfABodyThatIsCutAndRolledUp) {
   }
   EXPECT_GT(lips, 1000u);
   EXPECT_GT(ends, 100u);
+}
+
+/// Two bodies that turn about each other, further in each step than lists hold.
+TEST(ContactCandidates, SearchesAllocateNothing) {
+  const ContactSurface surface = make_contact_surface(two_cubes(0.002));
+  ContactCandidates candidates;
+  candidates.follow(surface, {});
+  VecList place = surface.rest;
+  constexpr int steps = 20;
+  std::size_t before = 0;
+  for (int step = 0; step < steps; ++step) {
+    const Mat3 turn = Eigen::AngleAxisd(0.3 * step, Vec3::UnitX()).toRotationMatrix();
+    for (std::size_t k = 0; k < place.size(); ++k) place[k] = turn * surface.rest[k];
+    if (step == 1) before = allocation_count();
+    candidates.each(place, 1e-5, [](const ContactCandidates::List&) {});
+  }
+  EXPECT_EQ(allocation_count(), before);
+  EXPECT_EQ(candidates.searches(), static_cast<std::size_t>(steps));
 }
 
 /// What is not finite touches nothing, hides nothing, and is forgotten with the next state.

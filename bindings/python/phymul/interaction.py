@@ -152,23 +152,26 @@ def events_of(value: Value) -> np.ndarray:
     return np.ascontiguousarray(floats(value, (-1, 2), "a value: a number, or pairs of time and value").T)
 
 
-class Load:
-    """A load of a simulation; set() changes its value, as often as you like."""
-
-    def __init__(self, simulation: Scene, row: int) -> None:
-        self._simulation, self._row = simulation, row
-
-    def set(self, value: Value) -> None:
-        events = events_of(value)
-        library.phymul_set_load(self._simulation._pointer, self._row, events[0].ctypes.data, events[1].ctypes.data,
-                                events.shape[1])
-
-
-class Tool:
-    """A rigid tool of a simulation."""
+class Numbered:
+    """What a simulation has under a number."""
 
     def __init__(self, simulation: Scene, number: int) -> None:
         self._simulation, self._number = simulation, number
+
+    def _call(self, function: Any, *arguments: Any) -> None:
+        function(self._simulation._pointer, self._number, *arguments)
+
+
+class Load(Numbered):
+    """A load of a simulation; set() changes its value, as often as you like."""
+
+    def set(self, value: Value) -> None:
+        events = events_of(value)
+        self._call(library.phymul_set_load, events[0].ctypes.data, events[1].ctypes.data, events.shape[1])
+
+
+class Tool(Numbered):
+    """A rigid tool of a simulation."""
 
     def _number_in(self, simulation: Scene) -> int:
         if self._simulation is not simulation:
@@ -177,47 +180,60 @@ class Tool:
 
     def move_to(self, pose: Pose) -> None:
         """Moves there during the next step or advance."""
-        library.phymul_tool_move_to(self._simulation._pointer, self._number, _ref(pose_of(pose)))
+        self._call(library.phymul_tool_move_to, _ref(pose_of(pose)))
 
     def teleport(self, pose: Pose) -> None:
         """Puts it there at once, without passing the space between."""
-        library.phymul_tool_teleport(self._simulation._pointer, self._number, _ref(pose_of(pose)))
+        self._call(library.phymul_tool_teleport, _ref(pose_of(pose)))
 
     def grasp(self, distance: float) -> None:
         """From the next step on particles within a distance, m, move with the tool."""
-        library.phymul_tool_grasp(self._simulation._pointer, self._number, distance)
+        self._call(library.phymul_tool_grasp, distance)
 
     def release(self) -> None:
-        library.phymul_tool_release(self._simulation._pointer, self._number)
+        self._call(library.phymul_tool_release)
 
     def remove(self) -> None:
-        library.phymul_tool_remove(self._simulation._pointer, self._number)
+        self._call(library.phymul_tool_remove)
 
     @property
     def pose(self) -> Pose:
         pose = sized("phymul_pose")
-        library.phymul_tool_read_pose(self._simulation._pointer, self._number, _ref(pose))
+        self._call(library.phymul_tool_read_pose, _ref(pose))
         return Pose(**fields_of(pose))
 
     @property
     def force(self) -> ToolForce:
         force = sized("phymul_tool_force")
-        library.phymul_tool_read_force(self._simulation._pointer, self._number, _ref(force))
+        self._call(library.phymul_tool_read_force, _ref(force))
         return ToolForce(**fields_of(force))
 
     @property
     def needle(self) -> NeedleState:
         """Throws Error for another shape."""
         state = sized("phymul_needle_state")
-        library.phymul_needle_read(self._simulation._pointer, self._number, _ref(state))
+        self._call(library.phymul_needle_read, _ref(state))
         flags = {name: bool(getattr(state, name)) for name in ("punctured", "through", "is_free")}
         return NeedleState(**{**fields_of(state), **flags})
 
     def needle_points(self, count: int) -> np.ndarray:
         """[count][3] points of a needle's shaft from tip to hub, m."""
         points = np.zeros((max(count, 0), 3))
-        library.phymul_needle_points(self._simulation._pointer, self._number, count, points.ctypes.data)
+        self._call(library.phymul_needle_points, count, points.ctypes.data)
         return points
+
+
+@dataclass(frozen=True)
+class JawsOptions:
+    """As Scene.add_jaws has them: there, and in C, is the default of each, which is not 0."""
+
+    length: float
+    width: float
+    thickness: float
+    friction: float
+    grip: float
+    opening: float
+    speed: float
 
 
 @dataclass(frozen=True)
@@ -261,22 +277,19 @@ class Jaws:
         return JawsReport(**values)
 
 
-class Joint:
+class Joint(Numbered):
     """A joint of a simulation."""
 
-    def __init__(self, simulation: Scene, number: int) -> None:
-        self._simulation, self._number = simulation, number
-
     def set_stiffness(self, stiffness: float, damping: float = 0.0) -> None:
-        library.phymul_joint_set(self._simulation._pointer, self._number, stiffness, damping)
+        self._call(library.phymul_joint_set, stiffness, damping)
 
     def remove(self) -> None:
-        library.phymul_joint_remove(self._simulation._pointer, self._number)
+        self._call(library.phymul_joint_remove)
 
     @property
     def report(self) -> JointReport:
         report = sized("phymul_joint_report")
-        library.phymul_joint_read(self._simulation._pointer, self._number, _ref(report))
+        self._call(library.phymul_joint_read, _ref(report))
         return JointReport(**fields_of(report))
 
 

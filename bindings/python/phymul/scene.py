@@ -11,12 +11,13 @@ import numpy as np
 
 from ._library import Error, Owner, constants, floats, integers, library, make, rows_of, sized, text_of
 from .body import Body, Material, Vector
-from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Jaws, Joint, Load, Needle, Pose, Shape, Skin, Sphere,
-                          Tool, Value, Where, constants_of, events_of, fill, pose_of)
+from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Jaws, JawsOptions, Joint, Load, Needle, Numbered,
+                          Pose, Shape, Skin, Sphere, Tool, Value, Where, constants_of, events_of, fill, pose_of)
 from .threads import Clip, Fluid, FluidState, Thread, ThreadHandle
 
 _ref = ctypes.byref
 Own = TypeVar("Own", bound="Scene")
+Added = TypeVar("Added", bound=Numbered)
 
 
 class Scene(Owner):
@@ -39,6 +40,12 @@ class Scene(Owner):
         elif anchor.tool is not None:
             struct.tool = anchor.tool._number_in(self)
         return struct, rows
+
+    def _add(self, kind: type[Added], function: Any, *arguments: Any) -> Added:
+        """Calls a function whose last parameter is where the number of what it adds goes."""
+        number = ctypes.c_uint64()
+        function(self._pointer, *arguments, _ref(number))
+        return kind(self, number.value)
 
     def fix(self: Own, where: Where) -> Own:
         """Holds a group, rows of particles or a mask of particles at rest."""
@@ -104,9 +111,7 @@ class Scene(Owner):
             options.needle = ctypes.addressof(needle)
         if isinstance(shape, Box):
             fill(options, "a box", half_size=shape.half_size)
-        number = ctypes.c_uint64()
-        library.phymul_tool_add(self._pointer, _ref(options), _ref(number))
-        return Tool(self, number.value)
+        return self._add(Tool, library.phymul_tool_add, _ref(options))
 
     def add_jaws(self, name: str, hinge: Pose = Pose(), *, length: float = 0.02, width: float = 0.006,
                  thickness: float = 0.006, friction: float = 0.5, grip: float = 1.0, opening: float = 0.6,
@@ -114,8 +119,9 @@ class Scene(Owner):
         """Two plates on a hinge, open: the tools "<name> 1" and "<name> 2". m; grip: N; opening: rad; speed: rad/s."""
         if contact not in ("particles", "surface"):
             raise Error(f'expected the contact "particles" or "surface", got "{contact}"')
-        options = sized("phymul_jaws_options", touches_particles=contact == "particles", length=length, width=width,
-                        thickness=thickness, friction=friction or -1.0, grip=grip, opening=opening, speed=speed)
+        options = constants_of("phymul_jaws_options",
+                               JawsOptions(length, width, thickness, friction, grip, opening, speed))
+        options.touches_particles = contact == "particles"
         return Jaws(self, make("jaws", library.phymul_jaws_create, self._pointer, name.encode(), _ref(options),
                                _ref(pose_of(hinge))))
 
@@ -125,9 +131,7 @@ class Scene(Owner):
         ends = [self._anchor(a), self._anchor(b)]
         options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
                          breaking=breaking_force, rest_length=-1.0 if rest_length is None else rest_length)
-        number = ctypes.c_uint64()
-        library.phymul_joint_add(self._pointer, _ref(ends[0][0]), _ref(ends[1][0]), _ref(options), _ref(number))
-        return Joint(self, number.value)
+        return self._add(Joint, library.phymul_joint_add, _ref(ends[0][0]), _ref(ends[1][0]), _ref(options))
 
     def attach(self, where: Where, to: Union[str, Tool, None] = None, *, stiffness: float, damping: float = 0.0,
                offset: Vector = (0.0, 0.0, 0.0), breaking_stress: float = math.inf, slack: bool = False) -> Joint:
@@ -136,20 +140,18 @@ class Scene(Owner):
         rows, vector = self._rows(where), floats(offset, (3,), "an offset")
         options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
                          breaking=breaking_stress)
-        number = ctypes.c_uint64()
-        library.phymul_attach(self._pointer, rows.ctypes.data, len(rows), to.encode() if isinstance(to, str) else None,
-                              to._number_in(self) if isinstance(to, Tool) else 0, vector.ctypes.data, _ref(options),
-                              _ref(number))
-        return Joint(self, number.value)
+        body = to.encode() if isinstance(to, str) else None
+        tool = to._number_in(self) if isinstance(to, Tool) else 0
+        return self._add(Joint, library.phymul_attach, rows.ctypes.data, len(rows), body, tool, vector.ctypes.data,
+                         _ref(options))
 
     def hold_near(self, vertices: Any, triangles: Any, centre: Vector, radius: float, spacing: float) -> Joint:
         """Holds the part of a surface in a ball, in all directions, whatever particles lie there. The surface may be
         that which the body was made from; spacing, m: a third of the body's."""
         vertices, triangles = floats(vertices, (-1, 3), "vertices"), integers(triangles, 3, "triangles")
-        middle, number = floats(centre, (3,), "a centre"), ctypes.c_uint64()
-        library.phymul_hold_near(self._pointer, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
-                                 len(triangles), middle.ctypes.data, radius, spacing, _ref(number))
-        return Joint(self, number.value)
+        middle = floats(centre, (3,), "a centre")
+        return self._add(Joint, library.phymul_hold_near, vertices.ctypes.data, len(vertices), triangles.ctypes.data,
+                         len(triangles), middle.ctypes.data, radius, spacing)
 
     def add_body_types(self) -> list[str]:
         """Adds what the components of a .pml file are by their bodyType: springs, held bodies, contacts. Returns a
@@ -160,33 +162,28 @@ class Scene(Owner):
         """Points [n][3], m, that move with the body, such as the vertices of a finer surface; triangles for normals."""
         return Skin(self, floats(points, (-1, 3), "points"), integers(triangles, 3, "triangles"))
 
-    def _add_thread(self, function: Any, *arguments: Any) -> ThreadHandle:
-        number = ctypes.c_uint64()
-        function(self._pointer, *arguments, _ref(number))
-        return ThreadHandle(self, number.value)
-
     def add_thread(self, thread: Thread, start: Vector, direction: Vector) -> ThreadHandle:
         """A free thread, straight from `start`, m, along a direction."""
         ends = [floats(value, (3,), "a start or direction") for value in (start, direction)]
-        return self._add_thread(library.phymul_thread_add, _ref(constants_of("phymul_thread", thread)),
-                                *(end.ctypes.data for end in ends))
+        return self._add(ThreadHandle, library.phymul_thread_add, _ref(constants_of("phymul_thread", thread)),
+                         *(end.ctypes.data for end in ends))
 
     def sew(self, thread: Thread, places: Any) -> ThreadHandle:
         """A thread through places [n][3] of the body, m at rest. Both tips are fixed."""
         places = floats(places, (-1, 3), "places")
-        return self._add_thread(library.phymul_thread_sew, _ref(constants_of("phymul_thread", thread)),
-                                places.ctypes.data, len(places))
+        return self._add(ThreadHandle, library.phymul_thread_sew, _ref(constants_of("phymul_thread", thread)),
+                         places.ctypes.data, len(places))
 
     def swage(self, thread: Thread, needle: Tool) -> ThreadHandle:
         """A thread at the tail of a needle, which sews it."""
-        return self._add_thread(library.phymul_thread_swage, _ref(constants_of("phymul_thread", thread)),
-                                needle._number_in(self))
+        return self._add(ThreadHandle, library.phymul_thread_swage, _ref(constants_of("phymul_thread", thread)),
+                         needle._number_in(self))
 
     def add_clip(self, clip: Clip, one: Anchor, other: Anchor) -> ThreadHandle:
         """Clips two walls together, each held at its anchor of particles. It closes during the next step or advance."""
         ends = [self._anchor(one), self._anchor(other)]
-        return self._add_thread(library.phymul_clip_add, _ref(constants_of("phymul_clip", clip)),
-                                *(_ref(end[0]) for end in ends))
+        return self._add(ThreadHandle, library.phymul_clip_add, _ref(constants_of("phymul_clip", clip)),
+                         *(_ref(end[0]) for end in ends))
 
     def add_fluid(self: Own, name: str, triangles: Any, volume: float, fluid: Fluid = Fluid()) -> Own:
         """Fills a closed surface of triangles of particles, counter-clockwise seen from outside, as `body.triangles`.

@@ -6,16 +6,13 @@ from __future__ import annotations
 import ctypes
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Optional, Sequence
+from typing import Any, Optional, Sequence
 
 import numpy as np
 
 from ._library import Error, constants, floats, library, sized, structs
 from .body import Vector
-from .interaction import Anchor, constants_of
-
-if TYPE_CHECKING:
-    from .scene import Scene
+from .interaction import Anchor, Numbered, constants_of
 
 _ref = ctypes.byref
 
@@ -116,15 +113,9 @@ def _copy(address: Optional[int], kind: Any, count: int) -> np.ndarray:
     return np.array((kind * count).from_address(address)) if count else np.zeros(0, kind)
 
 
-class ThreadHandle:
+class ThreadHandle(Numbered):
     """A thread or a clip of a simulation. Calls take effect in the next step. Tips are "first" and "last"; passages are
     numbered as they were sewn."""
-
-    def __init__(self, simulation: Scene, number: int) -> None:
-        self._simulation, self._number = simulation, number
-
-    def _call(self, function: Any, *arguments: Any) -> None:
-        function(self._simulation._pointer, self._number, *arguments)
 
     def hold(self, node: int, position: Vector) -> None:
         """A node of a free thread goes to a place, m, during the next step or advance, and stays."""

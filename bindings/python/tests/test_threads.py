@@ -141,6 +141,8 @@ class Tools(Refusals):
             jaws.follow(hinge, 1e-3)
             sim.advance(1e-3)
         self.assertAlmostEqual(jaws.report.angle, 1.8)
+        for wrong in ({"grip": 0}, {"length": 0}, {"opening": 0}, {"friction": -0.5}):
+            self.refused(ErrorCode.INVALID_ARGUMENT, "expected", sim.add_jaws, "other", hinge, **wrong)
 
 
 class Bodies(Refusals):
