@@ -81,7 +81,12 @@ ToolShape shape_of(const phymul_tool_options& from) {
     case PHYMUL_NEEDLE:
       return constants_of(from.needle, needle_constants, "constants of a needle");
     case PHYMUL_BLADE:
-      return Blade{.width = from.length, .toughness = from.toughness};
+      return Blade{.width = from.length,
+                   .toughness = from.toughness,
+                   .belly = from.belly,
+                   .bow = from.bow,
+                   .height = from.height,
+                   .friction = from.side_friction};
     default:
       return Box{.half_size = vector(from.half_size, "a half size")};
   }
@@ -202,8 +207,10 @@ phymul_status phymul_jaws_create(phymul_simulation* sim, const char* name, const
   return guarded([&] {
     need(made, "a place for the jaws");
     JawsOptions wanted = constants_of(options, jaws_constants, "options of jaws");
-    if (options && options_of(options, "options of jaws").touches_particles != 0)
-      wanted.contact = ToolContact::particles;
+    const phymul_jaws_options given =
+        options ? options_of(options, "options of jaws") : phymul_jaws_options{.size = sizeof given};
+    if (given.touches_particles != 0) wanted.contact = ToolContact::particles;
+    if (given.cuts != 0) wanted.toughness = given.toughness;
     Scene& scene = scene_of(sim);
     *made = new phymul_jaws{.jaws = Jaws(scene, &need(name, "a name of the jaws"), wanted, pose_of(hinge))};
   });

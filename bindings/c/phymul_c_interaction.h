@@ -61,6 +61,10 @@ typedef struct phymul_tool_options {
   int32_t unused;
   double toughness;             // J/m^2, of a blade
   const phymul_needle* needle;  // of a needle; NULL: the defaults
+  double belly;                 // m, of a blade: include/phymul/blade.h
+  double bow;                   // m
+  double height;                // m, of its sides
+  double side_friction;         // N/m^2
 } phymul_tool_options;
 
 typedef struct phymul_tool_force {  // of the particles on the tool
@@ -105,6 +109,9 @@ typedef struct phymul_jaws_options {
   double grip;                // N; 0: 1
   double opening;             // rad; 0: 0.6
   double speed;               // rad/s; 0: 0.5
+  int32_t cuts;               // 1: scissors, edges in place of the plates
+  int32_t unused;
+  double toughness;  // J/m^2, of scissors
 } phymul_jaws_options;
 
 typedef struct phymul_jaws_report {  // N and N m: on the handle, in the tick before

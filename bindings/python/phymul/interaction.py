@@ -45,10 +45,14 @@ class Box:
 
 @dataclass(frozen=True)
 class Blade:
-    """A straight edge along the tool's x axis, which cuts toward -z in the plane y = 0 (include/phymul/blade.h)."""
+    """An edge along the tool's x axis, which cuts toward -z, straight or an arc (include/phymul/blade.h)."""
 
     width: float  # m
     toughness: float = 0.0  # J/m^2
+    belly: float = 0.0  # m
+    bow: float = 0.0  # m
+    height: float = 0.0  # m, of its sides
+    friction: float = 0.0  # N/m^2, of these
 
 
 @dataclass(frozen=True)

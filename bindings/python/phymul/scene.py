@@ -105,7 +105,8 @@ class Scene(Owner):
         if isinstance(shape, Capsule):
             options.length = shape.length
         if isinstance(shape, Blade):
-            options.length, options.toughness = shape.width, shape.toughness
+            options.length, options.toughness, options.side_friction = shape.width, shape.toughness, shape.friction
+            options.belly, options.bow, options.height = shape.belly, shape.bow, shape.height
         if isinstance(shape, Needle):
             needle = constants_of("phymul_needle", shape)
             options.needle = ctypes.addressof(needle)
@@ -115,13 +116,16 @@ class Scene(Owner):
 
     def add_jaws(self, name: str, hinge: Pose = Pose(), *, length: float = 0.02, width: float = 0.006,
                  thickness: float = 0.006, friction: float = 0.5, grip: float = 1.0, opening: float = 0.6,
-                 speed: float = 0.5, contact: str = "surface") -> Jaws:
-        """Two plates on a hinge, open: the tools "<name> 1" and "<name> 2". m; grip: N; opening: rad; speed: rad/s."""
+                 speed: float = 0.5, contact: str = "surface", toughness: Optional[float] = None) -> Jaws:
+        """Two plates on a hinge, open: the tools "<name> 1" and "<name> 2". m; grip: N; opening: rad; speed: rad/s.
+        toughness: J/m^2; scissors, two edges in place of the plates."""
         if contact not in ("particles", "surface"):
             raise Error(f'expected the contact "particles" or "surface", got "{contact}"')
         options = constants_of("phymul_jaws_options",
                                JawsOptions(length, width, thickness, friction, grip, opening, speed))
         options.touches_particles = contact == "particles"
+        if toughness is not None:
+            options.cuts, options.toughness = 1, toughness
         return Jaws(self, make("jaws", library.phymul_jaws_create, self._pointer, name.encode(), _ref(options),
                                _ref(pose_of(hinge))))
 

@@ -204,6 +204,8 @@ class States(Refusals):
         self.assertFalse(sim.cut((1, 0, 0), (1, 0, 0)))
         self.assertTrue(sim.cut((0.05, 0, 0), (1, 0, 0), front=((0, 0.05, 0), (0, 1, 0))))
         self.assertGreater(len(sim.body.cells), cells)
+        for wrong in ({"belly": 0.2}, {"bow": 0.2}, {"height": -1.0}, {"friction": -1.0}, {"toughness": -1.0}):
+            self.refused(phymul.ErrorCode.INVALID_ARGUMENT, *wrong, sim.add_tool, phymul.Blade(width=0.2, **wrong))
         edge = sim.add_tool(phymul.Blade(width=0.2), phymul.Pose((0.08, 0.0, 0.0), (0.5, 0.5, 0.5, 0.5)))
         sim.advance(0.01)
         self.assertGreater(np.count_nonzero(sim.body.masses), body.particles)

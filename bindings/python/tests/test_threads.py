@@ -136,6 +136,23 @@ class Tools(Refusals):
         self.assertAlmostEqual(jaws.report.grip, 0.2, delta=0.02)
         self.assertLess(jaws.report.angle, 1.7)
         self.assertGreater(jaws.first.force.particles, 0)
+
+    def test_jaws_of_a_toughness_are_scissors(self):
+        body = phymul.make_tetrahedral_block((0.05, 0.03, 0.01), 10, 6, 2)
+        body.set_material(1e5, 0.4, 1000.0)
+        sim = phymul.Simulation(body.with_spare_particles(300), backend="cpu", damping=20.0).fix("y0").fix("y1")
+        hinge = Pose((0.06, 0.014, 0.005), (0.5, 0.5, 0.5, 0.5))  # into the body along -x, opening along z
+        for toughness, cut in ((1e4, False), (0.0, True)):
+            jaws = sim.add_jaws(f"scissors of {toughness}", hinge, length=0.03, opening=1.4, speed=2.0, grip=0.2,
+                                toughness=toughness)
+            jaws.close()
+            for _ in range(800):
+                jaws.follow(hinge, 1e-3)
+                sim.advance(1e-3)
+            self.assertEqual(sim.cuts > 0, cut)
+            self.assertEqual(jaws.report.angle < 1e-6, cut)
+            jaws.first.remove()
+            jaws.second.remove()
         jaws.open()
         for _ in range(600):
             jaws.follow(hinge, 1e-3)
