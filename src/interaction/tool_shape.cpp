@@ -112,12 +112,14 @@ double BladeCurve::stretch(double along) const {
   return std::sqrt(1.0 + tilt * tilt);
 }
 
+/// Beyond a quarter of a circle from the middle the surface goes on straight, so that it does not come back.
 Vec3 BladeCurve::unrolled(const Vec3& x) const {
   Vec3 unrolled = x;
   if (radius_ != 0.0) {
     const double side = std::copysign(1.0, radius_), out = x.y() + radius_;
-    unrolled.x() = std::abs(radius_) * std::atan2(x.x(), side * out);
-    unrolled.y() = side * std::hypot(x.x(), out) - radius_;
+    const double ahead = std::max(0.0, side * out), beyond = ahead - side * out;
+    unrolled.x() = std::abs(radius_) * std::atan2(x.x(), ahead) + std::copysign(beyond, x.x());
+    unrolled.y() = side * std::hypot(x.x(), ahead) - radius_;
   }
   unrolled.z() -= behind(unrolled.x());
   return unrolled;
