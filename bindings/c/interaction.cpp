@@ -207,8 +207,7 @@ phymul_status phymul_jaws_create(phymul_simulation* sim, const char* name, const
   return guarded([&] {
     need(made, "a place for the jaws");
     JawsOptions wanted = constants_of(options, jaws_constants, "options of jaws");
-    const phymul_jaws_options given =
-        options ? options_of(options, "options of jaws") : phymul_jaws_options{.size = sizeof given};
+    const phymul_jaws_options given = options ? options_of(options, "options of jaws") : phymul_jaws_options{};
     if (given.touches_particles != 0) wanted.contact = ToolContact::particles;
     if (given.cuts != 0) wanted.toughness = given.toughness;
     Scene& scene = scene_of(sim);
