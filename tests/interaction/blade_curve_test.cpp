@@ -28,7 +28,9 @@ TEST(BladeCurve, IsUnrolled) {
       }
       const Vec3 end = curve.at(0.5 * curve.length());
       EXPECT_LT((end - Vec3(0.01, -bow, belly)).norm(), 1e-12);
-      if (bow == 0.0 && belly == 0.01) EXPECT_NEAR(length, 0.01 * std::numbers::pi, 1e-3);
+      if (bow == 0.0 && belly == 0.01) {
+        EXPECT_NEAR(length, 0.01 * std::numbers::pi, 1e-3);
+      }
       if (bow == 0.0) continue;
       // Where a whole circle would come back to: the surface is nowhere near.
       const double across = (0.25 * 0.02 * 0.02 / std::abs(bow) + std::abs(bow));
