@@ -364,6 +364,13 @@ TEST(Blade, SaysWhatItCannotCut) {
   EXPECT_TRUE(says(message_of([&] { scene.add_tool("a", {.shape = Blade{}}); }), "expected a width above 0"));
   EXPECT_TRUE(
       says(message_of([&] { scene.add_tool("a", {.shape = Blade{.width = 1, .toughness = -1}}); }), "toughness"));
+  const auto refused = [&](const Blade& shape, const char* what) {
+    return says(message_of([&] { scene.add_tool("a", {.shape = shape}); }), what);
+  };
+  EXPECT_TRUE(refused({.width = 1, .belly = 0.6}, "a belly (m) of at most half the width, 0.5, got 0.6"));
+  EXPECT_TRUE(refused({.width = 1, .bow = -0.6}, "a bow (m) of at most half the width"));
+  EXPECT_TRUE(refused({.width = 1, .height = -1}, "height"));
+  EXPECT_TRUE(refused({.width = 1, .friction = -1}, "friction (N/m^2)"));
   EXPECT_TRUE(says(message_of([&] { stroke.blade.grasp(0.01); }), "a blade cannot grasp"));
   EXPECT_TRUE(says(message_of([&] { static_cast<void>(stroke.sim.solve_static()); }), "is a blade"));
 }
