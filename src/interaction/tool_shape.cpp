@@ -112,7 +112,8 @@ double BladeCurve::stretch(double along) const {
   return std::sqrt(1.0 + tilt * tilt);
 }
 
-/// Beyond a quarter of a circle from the middle the surface goes on straight, so that it does not come back.
+/// Beyond a quarter of a circle from the middle the surface continues straight: a whole circle would also cut on the
+/// side opposite the edge.
 Vec3 BladeCurve::unrolled(const Vec3& x) const {
   Vec3 unrolled = x;
   if (radius_ != 0.0) {
