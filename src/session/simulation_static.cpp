@@ -228,8 +228,8 @@ std::string StaticResult::message() const {
 
 void Simulation::Parts::follow_at_rest(const LoadFrame& loads) {
   const std::vector<double>& factors = scene.stiffness_factors();
-  const bool is_new = at_rest.loose.empty() && at_rest.body == nullptr;
-  if (!is_new && at_rest.body_version == scene.body_version() && at_rest.factors == factors &&
+  // There is no body for walls, and where making one threw an error.
+  if (at_rest.body != nullptr && at_rest.body_version == scene.body_version() && at_rest.factors == factors &&
       at_rest.fixed == loads.fixed) {
     return;
   }
