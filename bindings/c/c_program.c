@@ -247,6 +247,7 @@ static const char* rest_of(const phymul_body* body, struct c_results* out) {
   DO(phymul_gravity(sim, down))
   phymul_rest_report report = {.size = sizeof report};
   DO(phymul_solve_static(sim, 0, 0, &report))
+  DO(phymul_follow_static(sim, 0, 0, &report))
   HOLDS(report.converged == 1 && report.folded == -1)
   out->rest_residual = report.residual;
   REFUSED(phymul_solve_static(sim, -1, 0, &report), PHYMUL_INVALID_ARGUMENT, "")

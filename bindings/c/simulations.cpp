@@ -120,6 +120,27 @@ phymul_status copy_out(VecList phymul_simulation::*buffer, phymul_simulation* si
   });
 }
 
+/// Zeros of `options` are the defaults.
+phymul_status solve_static(phymul_simulation* sim, StaticOptions options, phymul_rest_report* report) {
+  return guarded([&] {
+    const auto place = place_if_wanted(report, "a report");
+    const StaticOptions usual;
+    if (options.tolerance == 0.0) options.tolerance = usual.tolerance;
+    if (options.most_evaluations == 0) options.most_evaluations = usual.most_evaluations;
+    const StaticResult rest = of(sim).solve_static(options);
+    sim->message = rest.message();
+    if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
+    if (place)
+      place->fill({.size = 0,
+                   .converged = rest.converged(),
+                   .folded = rest.folded,
+                   .steps = rest.evaluations,
+                   .collapsed = -1,
+                   .time = of(sim).time(),
+                   .residual = rest.residual});
+  });
+}
+
 }  // namespace
 
 phymul_status phymul_simulation_create(const phymul_body* const* bodies, const char* const* names, int32_t count,
@@ -245,23 +266,12 @@ phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phy
 
 phymul_status phymul_solve_static(phymul_simulation* sim, double tolerance, int32_t most_evaluations,
                                   phymul_rest_report* report) {
-  return guarded([&] {
-    const auto place = place_if_wanted(report, "a report");
-    StaticOptions options;
-    if (tolerance != 0.0) options.tolerance = tolerance;
-    if (most_evaluations != 0) options.most_evaluations = most_evaluations;
-    const StaticResult rest = of(sim).solve_static(options);
-    sim->message = rest.message();
-    if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
-    if (place)
-      place->fill({.size = 0,
-                   .converged = rest.converged(),
-                   .folded = rest.folded,
-                   .steps = rest.evaluations,
-                   .collapsed = -1,
-                   .time = of(sim).time(),
-                   .residual = rest.residual});
-  });
+  return solve_static(sim, {tolerance, most_evaluations, false}, report);
+}
+
+phymul_status phymul_follow_static(phymul_simulation* sim, double tolerance, int32_t most_evaluations,
+                                   phymul_rest_report* report) {
+  return solve_static(sim, {tolerance, most_evaluations, true}, report);
 }
 
 phymul_status phymul_message(phymul_simulation* sim, const char** sentence) {

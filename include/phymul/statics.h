@@ -18,6 +18,10 @@ struct StaticOptions {
   /// Evaluations, >= 1, after which the search gives up, some more at most: of the elastic forces of all particles, or
   /// of products with the tangent stiffness, of which an evaluation of the forces costs several.
   int most_evaluations = 3000;
+  /// Begin where the displacements of the last calls lead, for calls that follow each other as loads, held places or
+  /// tools change little by little. The result is as near to rest, but its bits depend on the calls before, which a
+  /// Snapshot does not have. Without effect for bodies that nothing holds and for walls.
+  bool predict = false;
 };
 
 struct StaticResult {

@@ -11,6 +11,7 @@
 
 #include "elastic/scaled_tables.h"
 #include "statics/rest_search.h"
+#include "statics/rest_tools.h"
 #include "tears.h"
 #include "topology/body_edit.h"
 
@@ -62,7 +63,9 @@ struct Simulation::Parts {
     std::vector<double> factors;     ///< of stiffness
     std::vector<std::uint8_t> fixed;
     std::vector<ConnectedBody> loose;
-    std::unique_ptr<RestBody> body;  ///< none for walls
+    std::unique_ptr<RestBody> body;    ///< none for walls
+    std::unique_ptr<RestTools> tools;  ///< of the last search
+    VecList end;                       ///< m, that it found
   };
   AtRest at_rest;
   void follow_at_rest(const LoadFrame& loads);

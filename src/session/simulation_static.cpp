@@ -263,10 +263,12 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   const std::vector<ConnectedBody>& loose = parts_->at_rest.loose;
   RestBody* const body = parts_->at_rest.body.get();
   const std::span<const Mat3> diagonal = body != nullptr ? body->diagonal() : std::span<const Mat3>();
-  RestTools tools(scene(), diagonal, loads.fixed);
+  std::unique_ptr<RestTools>& tools = parts_->at_rest.tools;
+  const auto make_tools = [&] { tools = std::make_unique<RestTools>(scene(), diagonal, loads.fixed); };
+  if (!options.predict || !tools || !tools->follow(scene())) make_tools();
   std::vector<RestTerm*> terms;
   if (!joints.empty()) terms.push_back(&joints);
-  if (has_tools) terms.push_back(&tools);
+  if (has_tools) terms.push_back(tools.get());
   StaticResult result;
   result.cause = why_no_rest(model(), loads, terms, loose);
   const bool walls = !topology.walls.empty();
@@ -276,7 +278,9 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (!result.cause.empty()) return result;
 
   double gain = 0.0;  // J, by beginning at the rest shape, where springs and tools alone may have energy
-  if (state.position != topology.rest) {
+  const bool follows = options.predict && parts_->at_rest.end == state.position;
+  if (!follows && body != nullptr) body->forget_changes();
+  if (!follows && state.position != topology.rest) {
     gain = potential_energy(topology, loads, terms, state.position);
     for (const RestTerm* term : terms) gain -= term->energy(topology.rest);
   }
@@ -287,13 +291,17 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (begins_anew) state.position = topology.rest;
   const auto search = [&](int most_evaluations) {
     if (walls) return search_wall_rest(topology, loads, options.tolerance, most_evaluations, state.position);
-    return search_rest(*body, loads, terms, loose, options.tolerance, most_evaluations, state.position);
+    StaticOptions own = options;
+    own.most_evaluations = most_evaluations;
+    return search_rest(*body, loads, terms, loose, own, state.position);
   };
+  parts_->at_rest.end.clear();
   RestSearchEnd end = search(options.most_evaluations);
   result.evaluations = end.evaluations;
   if (end.stuck && !begins_anew && end.evaluations < options.most_evaluations) {
     state.position = topology.rest;
-    tools = RestTools(scene(), diagonal, loads.fixed);  // without the estimates of the search that got stuck
+    make_tools();  // without the estimates of the search that got stuck
+    if (has_tools) terms.back() = tools.get();
     end = search(options.most_evaluations - end.evaluations);
     result.evaluations += end.evaluations;
   }
@@ -306,13 +314,14 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   } else if (end.at_rest) {
     for (Vec3& velocity : state.velocity) velocity.setZero();
     std::vector<ToolForce> forces = of_held(topology, scene(), state, terms);
-    tools.add_reactions(state.position, forces);
+    tools->add_reactions(state.position, forces);
     joints.add_reactions(state.position, forces);
     for_each_tool(scene(), state.tools, [](const ToolPose& pose, ToolState& tool) {
       tool.pose = pose;
       tool.placed = true;  // points of a surface may be inside by a little, and are to come out without a force
     });
     parts_->start_at_rest(state, forces, joints.reports(state.position));
+    parts_->at_rest.end = solver().read().position;
     result.status = RestStatus::converged;
     result.folded = first_folded_cell(model(), state.position);
   } else if (end.stuck) {

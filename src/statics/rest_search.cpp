@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "rest_search.h"
 
-#include <phymul/elasticity.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "base/bounding_box.h"
-#include "elastic/domain_forces.h"
-#include "elastic/mean_gradient.h"
 #include "idle_motions.h"
 
 namespace phymul {
@@ -32,7 +28,6 @@ constexpr double much_limited = 0.5;           ///< if less of the way is gone, 
 constexpr double rough = 0.7;                  ///< a linear residual that will do if the way is limited at all
 constexpr double little_change = 0.05;         ///< up to which the preconditioner stays
 constexpr int first_power_steps = 3, power_steps = 2;
-constexpr Index path_nodes = 600;
 constexpr int most_trials = 12;  ///< of a line search
 /// Of the forces that shear a particle's neighbourhood by 1: what rounding leaves of them.
 constexpr double force_rounding = 1e-12;
@@ -40,18 +35,14 @@ constexpr double energy_rounding = 1e-11;  ///< of an energy
 
 }  // namespace
 
-RestBody::RestBody(const TopologyTextures& topology, std::span<const std::uint8_t> fixed)
-    : topology_(topology),
-      diagonal_(diagonal_at_rest(topology)),
-      tangent_(make_tangent(topology)),
-      grid_(topology, fixed, diagonal_, *tangent_),
-      path_(topology, grid_.finest_of(path_nodes)) {}
-
 class RestSearch {
  public:
   RestSearch(RestBody& body, const LoadFrame& loads, RestTerms terms, std::span<const ConnectedBody> loose,
-             VecList& position)
-      : topology_(body.topology_),
+             const StaticOptions& options, VecList& position)
+      : body_(body),
+        options_(options),
+        predicts_(options.predict && loose.empty()),
+        topology_(body.topology_),
         loads_(loads),
         terms_(terms),
         idle_(loose, loads, terms),
@@ -63,6 +54,7 @@ class RestSearch {
         force_(position.size()),
         trial_(position.size()) {
     grid_.begin(terms);
+    if (!predicts_) body.turned_at_.clear();
     for (std::size_t i = 0; i < position.size(); ++i) {
       load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology_.mass, loads, i);
     }
@@ -74,21 +66,22 @@ class RestSearch {
     floor_ = force_rounding * shear / std::sqrt(static_cast<double>(topology_.particle_count));
   }
 
-  RestSearchEnd run(double tolerance, int most_evaluations) {
-    most_evaluations_ = most_evaluations;
+  RestSearchEnd run() {
     RestSearchEnd end;
     residual_at(position_, residual_, gradients_);
+    const Vector start = predicts_ ? sought() : Vector(), lacks = predicts_ ? lacking() : Vector();
+    if (predicts_) predict(start, lacks);
     if (position_ == topology_.rest) {
       energy_ = 0.0;
       for (const RestTerm* term : terms_) *energy_ += term->energy(position_);
     }
     while (true) {
       const bool imposes = find_way_to_targets();
-      const double law = tolerance * scale_ + floor_, miss = miss_of_terms();
+      const double law = options_.tolerance * scale_ + floor_, miss = miss_of_terms();
       goal_ = std::max(law, share_of_miss * miss);
       const bool settled = !imposes && residual_.norm() <= goal_;
       end.at_rest = settled && miss <= law;
-      if (end.at_rest || end.stuck || evaluations() >= most_evaluations) break;
+      if (end.at_rest || end.stuck || evaluations() >= options_.most_evaluations) break;
       if (settled) {
         raise_terms();
         continue;
@@ -99,10 +92,11 @@ class RestSearch {
       end.stuck = !(imposes ? impose() : descend());
     }
     end.evaluations = evaluations();
-    end.residual = tolerance * scale_ > floor_ ? residual_.norm() / scale_ : 0.0;
+    end.residual = options_.tolerance * scale_ > floor_ ? residual_.norm() / scale_ : 0.0;
     for (Eigen::Index i = 0; i < residual_.size(); i += 3) {
       end.largest_force = std::max(end.largest_force, residual_.segment<3>(i).norm());
     }
+    if (predicts_) remember(end, start, lacks);
     return end;
   }
 
@@ -111,20 +105,69 @@ class RestSearch {
 
   /// And the mean gradients there.
   void residual_at(const VecList& x, Vector& r, std::vector<Mat3>& gradients) {
-    of_domains_.resize(topology_.domains.size());
-    std::ranges::transform(topology_.domains, of_domains_.begin(), [&](const DomainTexel& domain) -> Vec3 {
-      return x[domain.particle] - topology_.rest[domain.particle];
-    });
-    gradients.resize(of_domains_.size());
     for (Vec3& force : force_) force.setZero();
-    add_domain_forces(
-        topology_, [this](Index e) -> const Vec3& { return of_domains_[e]; }, {}, force_,
-        [&](Index d, const Mat3& H) { gradients[d] = H; });
+    body_.add_forces(x, force_, gradients);
     for (const RestTerm* term : terms_) term->add_forces(x, force_);
     ++forces_;
     r = load_;
     for (std::size_t i = 0; i < x.size(); ++i) r.segment<3>(3 * static_cast<Eigen::Index>(i)) += force_[i];
     r.array() *= grid_.free().array();
+  }
+
+  /// N: residual_, and the ways to where imposed coordinates shall be, by the stiffness of their particles.
+  Vector lacking() {
+    find_way_to_targets();
+    Vector sum = residual_;
+    for (std::size_t i = 0; i < loads_.fixed.size(); ++i) {
+      sum.segment<3>(3 * static_cast<Eigen::Index>(i)) +=
+          body_.diagonal_[i].trace() / 3.0 * imposed_way_.segment<3>(3 * static_cast<Eigen::Index>(i));
+    }
+    return sum;
+  }
+
+  /// m and N: places, and what terms estimate.
+  Vector sought() const {
+    std::vector<double> all(position_.data()->data(), position_.data()->data() + load_.size());
+    for (const RestTerm* term : terms_) term->append_estimates(all);
+    return Eigen::Map<const Vector>(all.data(), static_cast<Eigen::Index>(all.size()));
+  }
+
+  void go_to(const Vector& sought) {
+    std::copy_n(sought.data(), load_.size(), position_.data()->data());
+    std::span<const double> estimates(sought.data() + load_.size(), sought.data() + sought.size());
+    for (RestTerm* term : terms_) estimates = term->take_estimates(estimates);
+    residual_at(position_, residual_, gradients_);
+  }
+
+  /// Goes where the last searches lead, unless the energy is higher there: it falls by the mean force times the way.
+  /// Forces may grow there, those that volume and rotations have to do with, which soon fall again.
+  void predict(const Vector& start, const Vector& lacks) {
+    Vector way;
+    if (lacks.isZero() || !body_.changes_.find(lacks, way) || way.size() != start.size()) return;
+    const bool imposes = !imposed_way_.isZero();
+    direction_ = grid_.free().select(way.head(load_.size()), imposed_way_);
+    bend_direction();
+    way.head(load_.size()) = direction_;
+    const Vector residual = residual_;
+    go_to(start + way);
+    if (imposes ? residual_.norm() < lacks.norm() : (residual + residual_).dot(direction_) > 0.0) return;
+    go_to(start);
+  }
+
+  void remember(const RestSearchEnd& end, const Vector& start, const Vector& lacks) {
+    if (!end.at_rest) body_.changes_.clear();
+    Vector way = sought() - start;
+    if (!end.at_rest || way.isZero()) return;
+    direction_ = way.head(load_.size());
+    bend_direction();  // the tangent of the curve at its end, where the chord lags behind it
+    way.head(load_.size()) = direction_;
+    body_.changes_.add(way, lacks - lacking());
+  }
+
+  void bend_direction() {
+    find_change();
+    path_.bend(gradients_, change_, 1.0, bent_);
+    direction_.array() += grid_.free().array() * bent_.array();
   }
 
   /// N: by how much terms miss their laws.
@@ -163,28 +206,21 @@ class RestSearch {
     const bool at_rest = std::ranges::all_of(gradients_, [](const Mat3& H) { return H == Mat3::Zero(); });
     tangent_.linearise(at_rest ? std::span<const Mat3>() : gradients_);
     for (RestTerm* term : terms_) term->linearise(position_);
-    double most = turned_at_.empty() ? std::numeric_limits<double>::infinity() : 0.0;
-    for (std::size_t d = 0; d < turned_at_.size(); ++d) {
-      most = std::max(most, (gradients_[d] - turned_at_[d]).cwiseAbs().maxCoeff());
+    std::vector<Mat3>& turned_at = body_.turned_at_;
+    double most = turned_at.empty() ? std::numeric_limits<double>::infinity() : 0.0;
+    for (std::size_t d = 0; d < turned_at.size(); ++d) {
+      most = std::max(most, (gradients_[d] - turned_at[d]).cwiseAbs().maxCoeff());
     }
     const bool stays = !grid_.follow_terms() && most <= little_change;
     keeps_way_ = stays && curvature_ > 0.0;
     if (stays) return;
     grid_.turn(gradients_);
-    grid_.estimate_largest(turned_at_.empty() ? first_power_steps : power_steps);
-    turned_at_ = gradients_;
+    grid_.estimate_largest(turned_ ? power_steps : first_power_steps);
+    turned_ = true;
+    turned_at = gradients_;
   }
 
-  void find_change() {
-    std::ranges::transform(topology_.domains, of_domains_.begin(), [&](const DomainTexel& domain) -> Vec3 {
-      return direction_.segment<3>(3 * static_cast<Eigen::Index>(domain.particle));
-    });
-    change_.resize(of_domains_.size());
-    for (std::size_t d = 0; d < change_.size(); ++d) {
-      change_[d] =
-          mean_gradient(topology_, static_cast<Index>(d), [this](Index e) -> const Vec3& { return of_domains_[e]; });
-    }
-  }
+  void find_change() { body_.find_gradients(direction_, change_); }
 
   /// Solves K d = r for the direction d: first roughly, then further if the true residual at the end of d follows the
   /// linear one. By how much it deviates is known from the last step, or found by going there. Where the way along d is
@@ -201,7 +237,7 @@ class RestSearch {
     reached_ = false;
     double goal = std::max(first_goal * r.norm(), share_of_rest * goal_);
     bool looked = imposes, knows_change = false;
-    for (int k = 0; k < most_iterations && evaluations() < most_evaluations_; ++k) {
+    for (int k = 0; k < most_iterations && evaluations() < options_.most_evaluations; ++k) {
       grid_.solve(r, z);
       idle_.remove(z);
       const bool goes_on = k > 0 || (keeps_way_ && !imposes);
@@ -328,6 +364,9 @@ class RestSearch {
     return false;
   }
 
+  RestBody& body_;
+  const StaticOptions& options_;
+  const bool predicts_;
   const TopologyTextures& topology_;
   const LoadFrame& loads_;
   RestTerms terms_;
@@ -338,7 +377,7 @@ class RestSearch {
   TurningPath& path_;
   Vector load_;
   VecList force_, trial_;
-  int forces_ = 0, most_evaluations_ = 0;
+  int forces_ = 0;
   double floor_ = 0.0, scale_ = 0.0, goal_ = 0.0;  // N
   double most_way_ = 0.0;                          // m
   Vector residual_, next_residual_, direction_, imposed_way_, image_, bent_;
@@ -346,27 +385,17 @@ class RestSearch {
   Vector left_;                // the linear residual at the end of direction_
   double curvature_ = 0.0;
   double deviation_per_energy_ = 0.0;  // 1/m: of the true residual from the linear one, in the last step; 0: unknown
+  bool turned_ = false;                // grid_, in this search
   bool keeps_way_ = false;
   bool limited_ = true;   // largest_share() was less than 1 when last asked for a descent; or none was yet
   bool reached_ = false;  // trial_ and next_residual_ are those at the end of direction_
-  std::vector<Mat3> gradients_, next_gradients_, turned_at_, change_;
-  VecList of_domains_;  // displacements of their particles, side by side: sums over neighbours read them many times
+  std::vector<Mat3> gradients_, next_gradients_, change_;
   std::optional<double> energy_;  // of position_, where known
 };
 
-double potential_energy(const TopologyTextures& topology, const LoadFrame& loads, RestTerms terms,
-                        const VecList& position) {
-  double energy = elastic_energy(topology, position);
-  for (const RestTerm* term : terms) energy += term->energy(position);
-  for (std::size_t i = 0; i < position.size(); ++i) {
-    energy -= load_on(topology.mass, loads, i).dot(position[i] - topology.rest[i]);
-  }
-  return energy;
-}
-
 RestSearchEnd search_rest(RestBody& body, const LoadFrame& loads, RestTerms terms, std::span<const ConnectedBody> loose,
-                          double tolerance, int most_evaluations, VecList& position) {
-  return RestSearch(body, loads, terms, loose, position).run(tolerance, most_evaluations);
+                          const StaticOptions& options, VecList& position) {
+  return RestSearch(body, loads, terms, loose, options, position).run();
 }
 
 }  // namespace phymul

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <vector>
 
 namespace phymul {
 
@@ -33,6 +34,10 @@ class RestTerm {
   virtual double squared_miss(std::span<const Vec3>) const { return 0.0; }
   /// Takes the forces at these positions as the next estimate of those of the law; changes energy and forces.
   virtual void raise(std::span<const Vec3>) {}
+  /// Those estimates, N, as many from search to search.
+  virtual void append_estimates(std::vector<double>&) const {}
+  /// Takes the first ones back, as near as the law allows, and returns the others.
+  virtual std::span<const double> take_estimates(std::span<const double> all) { return all; }
 };
 
 using RestTerms = std::span<RestTerm* const>;

@@ -13,7 +13,9 @@ namespace {
 /// Of a point's stiffness, in those of the particles' neighbourhoods: each raise() takes a part of about 1 in so many
 /// off the depth that is left.
 constexpr double stiffening = 30.0;
-constexpr int raises_of_surfaces = 3;
+int raises_of(const Tool& tool) {
+  return tool.contact == ToolContact::surface ? 3 : std::numeric_limits<int>::max();
+}
 
 Vec3 place_of(const ContactPoints::Patch& patch, const ContactPoints::Shares& share, std::span<const Vec3> position) {
   Vec3 sum = Vec3::Zero();
@@ -59,12 +61,12 @@ RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::s
     const double known = radius.value_or(std::numeric_limits<double>::infinity());  // 0 of a DistanceGrid
     const bool surface = tool.contact == ToolContact::surface;
     if (surface && !body) body = make_contact_surface(scene.model());
-    Touching made{.points = surface ? make_contact_points(*body, known > 0.0 ? known + tool.margin : 0.0)
+    Touching made{.tool = tool,
+                  .points = surface ? make_contact_points(*body, known > 0.0 ? known + tool.margin : 0.0)
                                     : make_particle_points(scene.model()),
                   .shape = shape_of(tool),
                   .frame = ToolFrame(own.pose),
-                  .compliance = tool.compliance,
-                  .raises_left = surface ? raises_of_surfaces : std::numeric_limits<int>::max(),
+                  .raises_left = raises_of(tool),
                   .stiffness = {},
                   .estimate = {}};
     std::erase_if(made.points.patches, cannot_move);
@@ -72,6 +74,19 @@ RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::s
     made.estimate.assign(made.stiffness.size(), 0.0);
     tools_.push_back(std::move(made));
   }
+}
+
+bool RestTools::follow(const Scene& scene) {
+  const auto is_same = [](const Touching& own, const SceneTool& other) {
+    const Tool &a = own.tool, &b = other.tool;
+    return a.shape == b.shape && a.compliance == b.compliance && a.margin == b.margin && a.contact == b.contact;
+  };
+  if (!std::ranges::equal(tools_, scene.tools(), is_same)) return false;
+  for (std::size_t k = 0; k < tools_.size(); ++k) {
+    tools_[k].frame = ToolFrame(scene.tools()[k].pose);
+    tools_[k].raises_left = raises_of(tools_[k].tool);
+  }
+  return true;
 }
 
 /// Calls visit(Pressed) for the points that bear a force.
@@ -94,7 +109,7 @@ void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> pos
     for (std::size_t p = 0; p < count; ++p) {
       const ContactPoints::Shares& share = (*patch.points)[p];
       const auto [phi, normal] = distance_to(tool.shape, unpacked(tool.frame.inside(place_of(patch, share, position))));
-      const double gain = tool.stiffness[first + p] / (1.0 + tool.stiffness[first + p] * tool.compliance);
+      const double gain = tool.stiffness[first + p] / (1.0 + tool.stiffness[first + p] * tool.tool.compliance);
       const double force = gain * (estimates[p] / tool.stiffness[first + p] - phi);
       if (force > 0.0) visit(Pressed{&patch, &share, first + p, force, gain, tool.frame.turn * packed(normal)});
     }
@@ -192,6 +207,18 @@ void RestTools::raise(std::span<const Vec3> position) {
     for_each_pressed(tool, position, [&](const Pressed& own) { next[own.row] = own.force; });
     tool.estimate = std::move(next);
   }
+}
+
+void RestTools::append_estimates(std::vector<double>& all) const {
+  for (const Touching& tool : tools_) all.insert(all.end(), tool.estimate.begin(), tool.estimate.end());
+}
+
+std::span<const double> RestTools::take_estimates(std::span<const double> all) {
+  for (Touching& tool : tools_) {
+    for (std::size_t k = 0; k < tool.estimate.size(); ++k) tool.estimate[k] = std::max(all[k], 0.0);
+    all = all.subspan(tool.estimate.size());
+  }
+  return all;
 }
 
 void RestTools::add_reactions(std::span<const Vec3> position, std::span<ToolForce> all) const {

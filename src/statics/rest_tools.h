@@ -26,6 +26,9 @@ class RestTools final : public RestTerm {
   /// Tools at their last target poses. `stiffness` [N] N/m: of each particle in its neighbourhood. `fixed`: as
   /// LoadFrame::fixed, what tools hold included; tools do not press what cannot move. Must not outlive the scene.
   RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::span<const std::uint8_t> fixed);
+  /// Moves the tools to their target poses now and keeps what was estimated. False if others are needed for this scene,
+  /// of the same body.
+  bool follow(const Scene& scene);
 
   void mark_held(std::span<char> particles) const override;
   void add_forces(std::span<const Vec3> position, std::span<Vec3> force) const override;
@@ -36,16 +39,18 @@ class RestTools final : public RestTerm {
   void add_diagonal(std::span<Mat3> blocks) const override;
   double squared_miss(std::span<const Vec3> position) const override;
   void raise(std::span<const Vec3> position) override;
+  void append_estimates(std::vector<double>& all) const override;
+  std::span<const double> take_estimates(std::span<const double> all) override;
 
   /// Adds what the particles that they press do to the tools, [Scene::tools()].
   void add_reactions(std::span<const Vec3> position, std::span<ToolForce> all) const;
 
  private:
   struct Touching {
+    Tool tool;  // but for its pose
     ContactPoints points;
     ShapeIn<double> shape;
     ToolFrame frame;
-    double compliance;  // m/N
     int raises_left;
     std::vector<double> stiffness;  // N/m, k of all points, by patches
     std::vector<double> estimate;   // N, likewise s

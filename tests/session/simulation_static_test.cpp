@@ -328,6 +328,7 @@ TEST(SimulationStatic, ASecondSearchIsThatOfASimulationThatHadNone) {
   Simulation sim = make();
   ASSERT_TRUE(sim.solve_static().converged());
   for (std::size_t k = 0; k < changes.size(); ++k) {
+    ASSERT_TRUE(sim.solve_static({.predict = true}).converged()) << changes[k].first;
     changes[k].second(sim);
     State start = sim.state();
     ASSERT_TRUE(sim.solve_static().converged()) << changes[k].first;

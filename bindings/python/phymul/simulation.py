@@ -173,9 +173,11 @@ class Simulation(Scene):
         """Steps until the body is at rest. Ask the result whether it `converged`."""
         return self._rested(library.phymul_run_to_rest, most_steps)
 
-    def solve_static(self, tolerance: float = 1e-6, most_evaluations: int = 3000) -> RestReport:
-        """The rest shape without steps, for scenes without tools and contacts. Ask whether it `converged`."""
-        return self._rested(library.phymul_solve_static, tolerance, most_evaluations)
+    def solve_static(self, tolerance: float = 1e-6, most_evaluations: int = 3000, predict: bool = False) -> RestReport:
+        """The rest shape without steps, for scenes without contacts. Ask whether it `converged`. With `predict` the
+        search begins where the last calls lead, for loads and tools that change little by little."""
+        function = library.phymul_follow_static if predict else library.phymul_solve_static
+        return self._rested(function, tolerance, most_evaluations)
 
     # What it is like now
 
