@@ -279,7 +279,6 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
 
   double gain = 0.0;  // J, by beginning at the rest shape, where springs and tools alone may have energy
   const bool follows = options.predict && parts_->at_rest.end == state.position;
-  if (!follows && body != nullptr) body->forget_changes();
   if (!follows && state.position != topology.rest) {
     gain = potential_energy(topology, loads, terms, state.position);
     for (const RestTerm* term : terms) gain -= term->energy(topology.rest);

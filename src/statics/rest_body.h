@@ -29,8 +29,6 @@ class RestBody {
 
   std::span<const Mat3> diagonal() const { return diagonal_; }  ///< [N] N/m, diagonal_at_rest()
 
-  /// Searches that predict go on from elsewhere.
-  void forget_changes() { changes_.clear(); }
   /// Adds elastic forces at x, [N] m, to `force`, [N] N; and the mean gradients there, of all domains.
   void add_forces(const VecList& x, std::span<Vec3> force, std::vector<Mat3>& gradients);
   /// Mean gradients of a displacement, [3 N] m.

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t most_changes = 4;
 constexpr double least_of_change = 0.3;  ///< that newer ones do not have
-constexpr double most_of_change = 4.0;   ///< of what is lacking: larger ones are of another state
+constexpr double most_times = 4.0;       ///< that a change is larger or smaller than what is lacking, or of no use
 constexpr double least_of_lack = 0.5;    ///< of what newer ones leave of it, that is worth the error of a change
 
 }  // namespace
@@ -30,8 +30,8 @@ bool RestChanges::find(const Eigen::VectorXd& lacks, Eigen::VectorXd& way) const
       change.force -= share * other.force;
       change.way -= share * other.way;
     }
-    const double own = change.force.norm();
-    if (whole > most_of_change * lacks.norm() || !(own > least_of_change * whole)) continue;
+    const double own = change.force.norm(), times = whole / lacks.norm();
+    if (times > most_times || times * most_times < 1.0 || !(own > least_of_change * whole)) continue;
     change.way /= own;
     change.force /= own;
     const double share = change.force.dot(left);

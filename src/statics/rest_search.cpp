@@ -13,7 +13,6 @@ namespace phymul {
 namespace {
 
 using Vector = Eigen::VectorXd;
-
 constexpr double first_goal = 0.1;   ///< of a linear residual, before the true one is looked at
 constexpr double worth_while = 0.3;  ///< a linear residual below this share of the true one's deviation is in vain
 constexpr double worth_while_predicted = 0.7;  ///< likewise if it is predicted, which is mostly too low
@@ -144,13 +143,13 @@ class RestSearch {
   void predict(const Vector& start, const Vector& lacks) {
     Vector way;
     if (lacks.isZero() || !body_.changes_.find(lacks, way) || way.size() != start.size()) return;
-    const bool imposes = !imposed_way_.isZero();
     direction_ = grid_.free().select(way.head(load_.size()), imposed_way_);
     bend_direction();
     way.head(load_.size()) = direction_;
     const Vector residual = residual_;
     go_to(start + way);
-    if (imposes ? residual_.norm() < lacks.norm() : (residual + residual_).dot(direction_) > 0.0) return;
+    const bool falls = (residual + residual_).dot(direction_) > 0.0;
+    if (imposed_way_.isZero() ? falls : residual_.norm() < lacks.norm()) return;
     go_to(start);
   }
 

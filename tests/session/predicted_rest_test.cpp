@@ -48,8 +48,8 @@ void move_ball(Simulation& sim, int k) {
 
 std::vector<Motion> motions() {
   const auto load = [](Simulation& sim, int k) { sim.scene().gravity({0, 0, -0.2 * std::pow(1.01, k)}); };
-  return {{"a load that grows", [] { return cantilever(0.3); }, load, 0.5},
-          {"a load that grows, nu 0.45", [] { return cantilever(0.45); }, load, 0.5},
+  return {{"a load that grows", [] { return cantilever(0.3); }, load, 0.35},
+          {"a load that grows, nu 0.45", [] { return cantilever(0.45); }, load, 0.35},
           {"a load that turns", [] { return cantilever(0.45); },
            [](Simulation& sim, int k) {
              sim.scene().gravity({0, 0.006 * std::sin(0.35 * k), -0.2 - 0.006 * std::cos(0.35 * k)});
@@ -121,12 +121,12 @@ TEST(PredictedRest, IsOfTheSceneAsItIsNow) {
        }},
       {"ball",
        [](Simulation& sim) {
-         sim.scene().add_tool("ball", {.shape = Sphere{0.02}, .pose = {.position = {0.15, 0.025, 0.066}}});
+         sim.scene().add_tool("ball", {.shape = Sphere{0.02}, .pose = {.position = {0.15, 0.025, 0.056}}});
        }},
       {"larger ball",
        [](Simulation& sim) {
          sim.scene().remove_tool("ball");
-         sim.scene().add_tool("ball", {.shape = Sphere{0.024}, .pose = {.position = {0.15, 0.025, 0.066}}});
+         sim.scene().add_tool("ball", {.shape = Sphere{0.024}, .pose = {.position = {0.15, 0.025, 0.056}}});
        }},
       {"ball far away",
        [](Simulation& sim) {
