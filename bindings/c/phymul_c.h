@@ -226,7 +226,7 @@ PHYMUL_API phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most
 PHYMUL_API phymul_status phymul_solve_static(phymul_simulation* sim, double tolerance, int32_t most_evaluations,
                                              phymul_rest_report* report);  // 0: the defaults, 1e-6 and 3000
 PHYMUL_API phymul_status phymul_follow_static(phymul_simulation* sim, double tolerance, int32_t most_evaluations,
-                                              phymul_rest_report* report);  // StaticOptions::predict
+                                              phymul_rest_report* report);  // with StaticOptions::predict
 // A sentence about the last of these five calls, and Simulation::warnings(). Valid until the next call of the same.
 PHYMUL_API phymul_status phymul_message(phymul_simulation* sim, const char** sentence);
 PHYMUL_API phymul_status phymul_warnings(phymul_simulation* sim, const char** sentences);
