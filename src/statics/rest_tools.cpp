@@ -57,13 +57,10 @@ RestTools::RestTools(const Scene& scene, std::span<const Mat3> stiffness, std::s
   std::optional<ContactSurface> body;
   for (const SceneTool& own : scene.tools()) {
     const Tool& tool = own.tool;
-    const std::optional<double> radius = least_radius(tool.shape);
-    const double known = radius.value_or(std::numeric_limits<double>::infinity());  // 0 of a DistanceGrid
     const bool surface = tool.contact == ToolContact::surface;
     if (surface && !body) body = make_contact_surface(scene.model());
     Touching made{.tool = tool,
-                  .points = surface ? make_contact_points(*body, known > 0.0 ? known + tool.margin : 0.0)
-                                    : make_particle_points(scene.model()),
+                  .points = surface ? make_contact_points(*body, tool) : make_particle_points(scene.model()),
                   .shape = shape_of(tool),
                   .frame = ToolFrame(own.pose),
                   .raises_left = raises_of(tool),
