@@ -62,7 +62,7 @@ phymul::Snapshot ViewSimulation::snapshot() const {
 
 void ViewSimulation::go_back(const phymul::Snapshot& snapshot) {
   sim_.restore(snapshot);
-  uncut_ = 0;
+  some_uncut_ = false;
   failure_.clear();
 }
 
@@ -116,7 +116,7 @@ void ViewSimulation::next_backend() {
 
 void ViewSimulation::step(int n) {
   const phymul::StepReport report = sim_.step(n, sim_.step_limit());
-  uncut_ += report.uncut;
+  some_uncut_ = some_uncut_ || report.uncut > 0;
   failure_ = report.ok() ? std::string() : report.message();
 }
 
@@ -156,6 +156,6 @@ std::string ViewSimulation::status() const {
   std::string text = std::string(solver.name()) + " (" + solver.device() + "), " +
                      std::to_string(model().particle_count()) + " particles, " + numbers;
   if (is_cut()) text += ", cut, " + std::to_string(pieces_) + (pieces_ == 1 ? " piece" : " pieces");
-  if (uncut_ > 0) text += ", " + std::to_string(uncut_) + " cells could not be cut";
+  if (some_uncut_) text += ", some cells could not be cut";
   return text;
 }

@@ -60,7 +60,7 @@ class ViewSimulation {
   std::unique_ptr<phymul::Display> display_;
   std::uint64_t shown_version_ = 0;  // Scene::body_version()
   std::size_t pieces_ = 1;
-  int uncut_ = 0;  // cells
+  bool some_uncut_ = false;  // cut three times already, or the spare particles do not suffice
   std::string failure_;
   int steps_a_frame_ = 1;
   double rate_ = 0.0;  // steps a second, smoothed
