@@ -15,6 +15,7 @@
 #include "run_plan.h"
 #include "run_report.h"
 #include "run_schedule.h"
+#include "surface_body.h"
 
 namespace {
 
@@ -24,24 +25,30 @@ void print_notes(const std::vector<std::string>& notes) {
   if (notes.size() > most) std::fprintf(stderr, "note: ... and %zu more\n", notes.size() - most);
 }
 
-phymul::SolverOptions telling(Progress& progress) {
-  phymul::SolverOptions options;
-  options.progress = [&progress](const phymul::StepProgress& step) {
+/// The body with what acts on it. `notes`: null, or what reading the loads found.
+phymul::Simulation make_simulation(const RunOptions& options, const phymul::Model& model,
+                                   phymul::SimulationOptions made, Progress& progress,
+                                   std::vector<std::string>* notes) {
+  made.damping.rate = options.damping_rate;
+  made.topology = options.topology;
+  made.solver.profile = options.profile;
+  made.solver.progress = [&progress](const phymul::StepProgress& step) {
     progress.show(step);
     return true;
   };
-  return options;
+  phymul::Simulation sim(options.tearing ? with_room_for_cuts(model) : model, std::move(made));
+  const phymul::Index spare = sim.model().particle_count() - model.particle_count();
+  if (notes && spare > 0) notes->push_back(std::to_string(spare) + " spare particles for what tears");
+  fill_scene(options, model, sim.scene(), notes);
+  return sim;
 }
 
 /// For a body that is filled at a spacing.
-phymul::Simulation make_simulation(RunOptions options, const phymul::PlanCandidate& candidate, Progress& progress) {
+phymul::Simulation make_candidate(RunOptions options, const phymul::PlanCandidate& candidate, Progress& progress) {
   options.spacing = candidate.spacing;
-  phymul::Simulation sim(read_body(options), candidate.options({.damping = {.rate = options.damping_rate},
-                                                                .topology = options.topology,
-                                                                .solver = telling(progress)}));
-  progress.show_trial(candidate.spacing, sim.model().particle_count());
-  fill_scene(options, sim.model(), sim.scene(), nullptr);
-  return sim;
+  const phymul::Model model = read_body(options);
+  progress.show_trial(candidate.spacing, model.particle_count());
+  return make_simulation(options, model, candidate.options({}), progress, nullptr);
 }
 
 void make_folder(const std::string& path) {
@@ -54,33 +61,31 @@ void make_folder(const std::string& path) {
 int run(const RunOptions& options) {
   const phymul::Model model = read_body(options);
   print_notes(model.notes);
-  phymul::Scene scene(model);
   std::vector<std::string> notes;
-  fill_scene(options, model, scene, &notes);
-  print_notes(notes);
   Progress progress(options.quiet);
-  phymul::SolverOptions solver_options = telling(progress);
-  solver_options.damping.rate = options.damping_rate;
-  solver_options.profile = options.profile;
-  solver_options.threads = options.threads;
-  const auto solver = phymul::make_solver(options.backend, model, scene, options.topology, solver_options);
-  print_notes(solver->topology().notes);
+  phymul::SimulationOptions made;
+  made.backend = options.backend;
+  made.solver.threads = options.threads;
+  phymul::Simulation sim = make_simulation(options, model, std::move(made), progress, &notes);
+  print_notes(notes);
+  const phymul::Solver& solver = sim.solver();
+  print_notes(solver.topology().notes);
 
   // A step that the solver refuses is wrong input, told before anything is computed or written.
   if (options.dt) {
-    const phymul::StepReport probe = solver->step(0, *options.dt);
+    const phymul::StepReport probe = sim.step(0, *options.dt);
     if (!probe.ok()) throw phymul::Error("--dt: " + probe.message());
   }
   make_folder(options.out);
-  const RunSchedule schedule = schedule_of(scene.loads());
-  RunLoop loop(options, schedule, scene, *solver, progress);
+  const RunSchedule schedule = schedule_of(sim.scene().loads());
+  RunLoop loop(options, schedule, sim, progress);
   const int exit_code = loop.run();
-  phymul::write_csv(model, loop.state(), options.out + "/rest.csv");
-  phymul::write_pml(phymul::deformed_model(model, loop.state()), options.out + "/rest.pml",
+  phymul::write_csv(sim.model(), loop.state(), options.out + "/rest.csv");
+  phymul::write_pml(phymul::deformed_model(sim.model(), loop.state()), options.out + "/rest.pml",
                     {.length_unit = length_unit(options)});
-  print_table(*solver, loop.summary());
-  if (options.profile) print_profile(solver->profile(), loop.summary());
-  print_story(scene, schedule, loop.summary());
+  print_table(solver, loop.summary());
+  if (options.profile) print_profile(solver.profile(), loop.summary());
+  print_story(sim.scene(), schedule, loop.summary());
   if (exit_code == 2) std::fprintf(stderr, "phymul-run: %s\n", loop.summary().failure.c_str());
   std::printf("\nresults in %s\n", options.out.c_str());
   return exit_code;
@@ -95,7 +100,7 @@ int main(int argc, char** argv) try {
   if (!options->plan) return run(*options);
   Progress progress(options->quiet);
   return print_plan(*options, std::vector<std::string>(argv, argv + argc), [&](const phymul::PlanCandidate& candidate) {
-    return make_simulation(*options, candidate, progress);
+    return make_candidate(*options, candidate, progress);
   });
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "phymul-run: %s\n", error.what());

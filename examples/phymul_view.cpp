@@ -19,26 +19,27 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The hands of a script: a key a frame; the mouse pressed in the first frame, at its goal in the last.
+/// The hands of a script: a key a frame; the mouse, which goes each of its ways in an equal number of frames, pressed
+/// from the first of them to the last.
 void play(ViewInput& input, const ViewOptions& options, int frame) {
   if (static_cast<std::size_t>(frame) < options.keys.size()) {
     // GLFW numbers keys by their capital letters.
     input.key(std::toupper(static_cast<unsigned char>(options.keys[static_cast<std::size_t>(frame)])));
   }
-  if (options.drag.size() != 4 || options.frames < 2) return;
-  const double share = static_cast<double>(frame) / (options.frames - 1);
-  const auto at = [&](std::size_t axis) {
-    return options.drag[axis] + share * (options.drag[axis + 2] - options.drag[axis]);
-  };
-  input.cursor(at(0), at(1));
-  if (frame == 0) input.button(GLFW_MOUSE_BUTTON_LEFT, true);
+  const int ways = static_cast<int>(options.drag.size() / 4), frames = ways > 0 ? options.frames / ways : 0;
+  if (frames < 2 || frame >= ways * frames) return;
+  const double* const way = &options.drag[4 * static_cast<std::size_t>(frame / frames)];
+  const double share = static_cast<double>(frame % frames) / (frames - 1);
+  if (frame % frames == 0) input.button(GLFW_MOUSE_BUTTON_LEFT, false);
+  input.cursor(way[0] + share * (way[2] - way[0]), way[1] + share * (way[3] - way[1]));
+  if (frame % frames == 0) input.button(GLFW_MOUSE_BUTTON_LEFT, true);
 }
 
 int run(const ViewOptions& options) {
   const ViewBody body = make_view_body(options);
   for (const std::string& note : body.model.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   ViewWindow window(options.width, options.height, options.hidden);
-  Simulation simulation(body, options);
+  ViewSimulation simulation(body, options);
   ViewInput input(simulation, window);
   window.listen(input);
 

@@ -140,4 +140,5 @@ void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::S
   }
   const std::vector<double> gravity = options.gravity.empty() ? std::vector<double>(3, 0.0) : options.gravity;
   scene.gravity({gravity[0], gravity[1], gravity[2]});
+  if (options.tearing) scene.tear(*options.tearing);
 }

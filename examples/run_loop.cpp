@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "run_loop.h"
 
+#include <phymul/bodies.h>
 #include <phymul/error.h>
+#include <phymul/surface.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,16 +17,28 @@ namespace {
 constexpr int samples_per_frame = 10;
 constexpr double default_sample_interval = 0.005;  // s, where no frames are asked for
 constexpr double time_to_rest = 20.0;              // s after the last date, unless --max-time says otherwise
+constexpr double tear_interval = 1e-3;             // s: each call of the simulation parts a row of cells at a front
+
+/// m^2 at rest, of one face of all cuts.
+double cut_area(const phymul::Model& model) {
+  const phymul::TissueSurface surface = tissue_surface(model);
+  const phymul::VecList place = surface.at(model.rest);
+  double twice = 0.0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& [a, b, c] = surface.triangles[t];
+    if (surface.of_cut[t] != 0) twice += 0.5 * (place[b] - place[a]).cross(place[c] - place[a]).norm();
+  }
+  return 0.5 * twice;
+}
 
 }  // namespace
 
-RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Scene& scene, phymul::Solver& solver,
-                 Progress& progress)
+RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Simulation& sim, Progress& progress)
     : options_(options),
       schedule_(schedule),
-      scene_(scene),
-      solver_(solver),
-      model_(solver.model()),
+      sim_(sim),
+      solver_(sim.unrecorded_solver()),
+      model_(sim.model()),
       progress_(progress) {
   if (schedule.has_driven && !options.keep) let_go_date_ = options.let_go.value_or(schedule.let_go);
   if (schedule.has_driven) pull_date_ = std::min(schedule.largest_pull, let_go_date_.value_or(schedule.largest_pull));
@@ -36,6 +51,7 @@ RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul:
     std::filesystem::create_directories(options.out + "/frames");
     series_.emplace(options.out + "/frames/body");
   }
+  if (options.tearing) first_cut_area_ = cut_area(model_);
   energies_.open(options.out + "/energies.csv");
   energies_.precision(12);
   energies_ << "time,elastic,kinetic,gravity,total,residual,max_speed,max_displacement\n";
@@ -57,6 +73,7 @@ bool RunLoop::is_settling() const {
 
 double RunLoop::next_date() const {
   double date = std::min(end_, static_cast<double>(samples_) * sample_interval_);
+  if (options_.tearing) date = std::min(date, state_.time + tear_interval);
   if (pull_date_ && !pull_seen_) date = std::min(date, *pull_date_);
   if (let_go_date_ && !let_go_done_) date = std::min(date, *let_go_date_);
   return date;
@@ -67,15 +84,18 @@ bool RunLoop::advance(double date) {
   const auto steps = static_cast<int>(std::max<long long>(1, std::llround((date - state_.time) / summary_.dt)));
   const auto start = std::chrono::steady_clock::now();
   // Undamped, nothing comes to rest, and run_to_rest() refuses.
-  if (is_settling() && options_.damping_rate > 0.0) {
+  if (is_settling() && options_.damping_rate > 0.0 && !options_.tearing) {
     const phymul::RestResult rest = solver_.run_to_rest(steps, summary_.dt);
     report_ = rest.report;
     loose_ = rest.loose;
   } else {
-    report_ = solver_.step(steps, summary_.dt);
+    report_ = sim_.step(steps, summary_.dt);
   }
   summary_.wall_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary_.steps += report_.steps;
+  summary_.torn += report_.torn;
+  summary_.could_not_tear = summary_.could_not_tear || report_.uncut > 0;
+  if (report_.torn > 0) choose_step();  // the stable one is shorter now
   return report_.ok();
 }
 
@@ -94,7 +114,7 @@ void RunLoop::look() {
     summary_.let_go = snapshot("let go");
     summary_.snapshots.push_back(*summary_.let_go);
     draw("let_go.png", "let go", state_, false);
-    let_go(scene_);
+    let_go(sim_.scene());
     let_go_done_ = true;
     progress_.say("let go at " + std::to_string(state_.time) + " s");
   }
@@ -102,7 +122,8 @@ void RunLoop::look() {
                  summary_.wall_time > 0.0 ? static_cast<double>(summary_.steps) / summary_.wall_time : 0.0);
 }
 
-/// Where nothing is driven, the most deformed moment stands for the largest pull.
+/// Where nothing is driven, the most deformed moment stands for the largest pull; not of a body that tears, which is
+/// another one at the end.
 void RunLoop::remember_pull() {
   if (pull_date_ && !pull_seen_ && reached(*pull_date_)) {
     pull_seen_ = true;
@@ -111,7 +132,8 @@ void RunLoop::remember_pull() {
     summary_.snapshots.push_back(*summary_.pulled);
     full_scale_ = summary_.pulled->displacement.max;
     draw("pulled.png", "largest pull", state_, false);
-  } else if (!pull_date_ && displacement_norms(model_, state_).max > pulled_shot_.displacement.max) {
+  } else if (!pull_date_ && !options_.tearing &&
+             displacement_norms(model_, state_).max > pulled_shot_.displacement.max) {
     pulled_ = state_;
     pulled_shot_ = snapshot("most deformed");
   }
@@ -129,7 +151,7 @@ int RunLoop::run() {
     if (settling && settling_from_ < 0) settling_from_ = summary_.steps;
     if (!advance(next_date())) return finish(true, false);
     look();
-    const bool at_rest = settling && report_.at_rest;
+    const bool at_rest = settling && report_.at_rest && report_.torn == 0;
     if (at_rest || reached(end_)) return finish(false, at_rest);
   }
 }
@@ -145,6 +167,10 @@ int RunLoop::finish(bool failed, bool at_rest) {
                                        ": it moves away unless its loads balance; hold it, as with --fix; " + moving;
   if (at_rest) summary_.steps_to_rest = summary_.steps - settling_from_;
   summary_.at_rest = at_rest;
+  if (options_.tearing) {
+    summary_.torn_area = cut_area(model_) - first_cut_area_;
+    summary_.pieces = connected_bodies(model_).size();
+  }
   if (!pull_date_ && pulled_) {
     full_scale_ = pulled_shot_.displacement.max;
     draw("pulled.png", "most deformed", *pulled_, false);
@@ -160,7 +186,6 @@ int RunLoop::finish(bool failed, bool at_rest) {
 
 void RunLoop::draw(const std::string& file, const std::string& title, const phymul::State& state, bool is_let_go) {
   if (!options_.pictures) return;
-  if (!pictures_) pictures_.emplace(model_);
   ScenePictureOptions picture;
   picture.title = (model_.name.empty() ? "body" : model_.name) + ": " + title;
   char text[160];
@@ -175,8 +200,8 @@ void RunLoop::draw(const std::string& file, const std::string& title, const phym
                 1e3 * displacement_norms(model_, state).max);
   picture.subtitle += text;
   picture.full_scale = full_scale_;
-  picture.held = schedule_.held;
-  if (!is_let_go) picture.driven = schedule_.driven;
+  if (!options_.tearing) picture.held = schedule_.held;  // a picture of tissue has no particles
+  if (!is_let_go && !options_.tearing) picture.driven = schedule_.driven;
   picture.width = 900;
   picture.height = 1000;
   picture.eye = {0.75, -1.0, 0.45};
@@ -185,5 +210,7 @@ void RunLoop::draw(const std::string& file, const std::string& title, const phym
     picture.frame.insert(picture.frame.end(), model_.rest.begin(), model_.rest.end());
     picture.frame.insert(picture.frame.end(), state.position.begin(), state.position.end());
   }
+  if (options_.tearing) return draw_tissue(model_, state, picture, options_.out + '/' + file);
+  if (!pictures_) pictures_.emplace(model_);
   pictures_->draw(state, picture, options_.out + '/' + file);
 }

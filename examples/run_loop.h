@@ -16,8 +16,7 @@
 class RunLoop {
  public:
   /// The output folder must exist.
-  RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Scene& scene, phymul::Solver& solver,
-          Progress& progress);
+  RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul::Simulation& sim, Progress& progress);
 
   /// Returns the program's exit code. Throws phymul::Error where a file cannot be written.
   int run();
@@ -39,13 +38,14 @@ class RunLoop {
 
   const RunOptions& options_;
   const RunSchedule& schedule_;
-  phymul::Scene& scene_;
+  phymul::Simulation& sim_;
   phymul::Solver& solver_;
   const phymul::Model& model_;
 
   double sample_interval_ = 0.0;  ///< s, between rows of energies.csv; ten of them make a frame
   double settle_date_ = 0.0;      ///< s, from then on nothing is done to the body any more
   double end_ = 0.0;              ///< s
+  double first_cut_area_ = 0.0;   ///< m^2
   double full_scale_ = 0.0;       ///< m, of the pictures' colours: one for all once the largest pull is known
   std::optional<double> pull_date_, let_go_date_;
   bool pull_seen_ = false;

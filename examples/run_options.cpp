@@ -147,6 +147,18 @@ void add_body_options(CLI::App& app, RunOptions& options) {
       ->option_text("X Y Z NX NY NZ")
       ->expected(6)
       ->needs(cut);
+  app.add_option_function<std::vector<double>>(
+         "--tear",
+         [&options](const std::vector<double>& it) {
+           options.tearing = {it[0], it[1]};
+         },
+         "cuts go on where they are drawn: work per area, J/m^2, and the radius over which stress is averaged, m; 0: "
+         "two "
+         "spacings")
+      ->option_text("TOUGHNESS RADIUS")
+      ->expected(2)
+      ->check(not_negative())
+      ->needs(cut);
   app.add_option("--gravity", options.gravity, "acceleration on everything, m/s^2: x y z")->expected(3);
 }
 

@@ -45,7 +45,8 @@ struct RunOptions {
   std::vector<double> held_balls;   ///< the same, of the surface
   std::vector<double> cuts;         ///< each a point, m, and a normal of a plane: x y z x y z
   std::vector<double> cut_front;    ///< the same of the plane behind which they are cut; or none
-  std::vector<double> gravity;      ///< m/s^2, three or none
+  std::optional<phymul::Tearing> tearing;
+  std::vector<double> gravity;  ///< m/s^2, three or none
 
   std::string backend = "auto";
   double damping_rate = 20.0;      ///< 1/s

@@ -201,6 +201,13 @@ void print_story(const phymul::Scene& scene, const RunSchedule& schedule, const 
                   summary.pulled->time);
     }
   }
+  if (summary.pieces > 0) {
+    std::printf("  Torn: %" PRId64 " cells, %.4g mm^2 of %zu %s.%s\n", summary.torn, 1e6 * summary.torn_area,
+                summary.pieces, summary.pieces == 1 ? "piece" : "pieces",
+                summary.could_not_tear
+                    ? " Cells should have torn that could not: cut three times, or no spare particles."
+                    : "");
+  }
   const Snapshot& end = summary.snapshots.back();
   std::printf("  %s at %.4g s, at most %.4g mm from the rest shape%s.\n", summary.at_rest ? "At rest" : "Stopped",
               end.time, 1e3 * end.displacement.max, summary.at_rest && !pushes.empty() ? " under what still acts" : "");

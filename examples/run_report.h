@@ -39,6 +39,10 @@ struct RunSummary {
   std::int64_t steps_to_rest = -1;  ///< after the last date of the loads; -1: not at rest
   double dt = 0.0;                  ///< s
   double wall_time = 0.0;           ///< s, stepping only
+  std::int64_t torn = 0;            ///< cells; with --tear also the next three
+  bool could_not_tear = false;
+  double torn_area = 0.0;  ///< m^2 at rest
+  std::size_t pieces = 0;
   std::vector<Snapshot> snapshots;
   std::optional<Snapshot> pulled;  ///< the one at the largest pull
   std::optional<Snapshot> let_go;  ///< the one just before

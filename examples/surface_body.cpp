@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <initializer_list>
 #include <limits>
@@ -109,4 +110,9 @@ void hold_in_balls(phymul::Scene& scene, const phymul::Surface* surface, double 
       throw phymul::Error("--hold-near: " + std::string(error.what()));
     }
   }
+}
+
+phymul::Model with_room_for_cuts(const phymul::Model& model) {
+  const double across = std::cbrt(model.particle_count());  // particles in a row
+  return with_spare_particles(model, static_cast<phymul::Index>(4.0 * 2.3 * across * across));
 }

@@ -3,6 +3,8 @@
 
 #include <phymul/surface.h>
 
+#include <cmath>
+
 namespace {
 
 constexpr double reach_in_pixels = 14.0;
@@ -21,20 +23,23 @@ phymul::PickRay ray_under(const phymul::Camera& camera, double x, double y, int 
 
 }  // namespace
 
-bool ParticleDrag::take(const phymul::Solver& solver, const phymul::Camera& camera, double x, double y, int width,
-                        int height) {
+bool ParticleDrag::take(const phymul::Camera& camera, double x, double y, int width, int height) {
   release();
-  const phymul::State state = solver.read();
+  const phymul::Model& model = sim_.model();
+  phymul::State state = sim_.solver().read();
+  for (std::size_t i = 0; i < model.mass.size(); ++i) {
+    if (model.mass[i] == 0.0) state.position[i].setConstant(NAN);  // a spare one for cuts: nothing is there
+  }
   const phymul::Index picked = pick_particle(state.position, ray_under(camera, x, y, width, height));
   if (picked < 0) return false;
   particle_ = picked;
   const phymul::Vec3& place = state.position[static_cast<std::size_t>(picked)];
   depth_ = to_pixel(camera, place, width, height).z();
   offset_ = place - from_pixel(camera, {x, y, depth_}, width, height);
-  const phymul::Vec3 displacement = place - solver.model().rest[static_cast<std::size_t>(*particle_)];
-  first_row_ = scene_.loads().size();
-  for (int axis = 0; axis < solver.model().dimension; ++axis) {
-    scene_.add(along(axis, state.time, displacement[axis], displacement[axis]));
+  const phymul::Vec3 displacement = place - model.rest[static_cast<std::size_t>(*particle_)];
+  first_row_ = sim_.scene().loads().size();
+  for (int axis = 0; axis < model.dimension; ++axis) {
+    sim_.scene().add(along(axis, state.time, displacement[axis], displacement[axis]));
   }
   return true;
 }
@@ -50,20 +55,22 @@ phymul::Load ParticleDrag::along(int axis, double time, double from, double to) 
   return load;
 }
 
-void ParticleDrag::move(const phymul::Camera& camera, double x, double y, int width, int height, double time) {
+void ParticleDrag::move(const phymul::Camera& camera, double x, double y, int width, int height) {
   if (!particle_) return;
+  phymul::Scene& scene = sim_.scene();
+  const double time = sim_.time();
   const phymul::Vec3 wanted = from_pixel(camera, {x, y, depth_}, width, height) + offset_ -
-                              scene_.model().rest[static_cast<std::size_t>(*particle_)];
-  for (int axis = 0; axis < scene_.model().dimension; ++axis) {
+                              scene.model().rest[static_cast<std::size_t>(*particle_)];
+  for (int axis = 0; axis < scene.model().dimension; ++axis) {
     const std::size_t row = first_row_ + static_cast<std::size_t>(axis);
-    const std::vector<phymul::ValueEvent>& events = scene_.loads()[row].events;
+    const std::vector<phymul::ValueEvent>& events = scene.loads()[row].events;
     if (events.back().value == wanted[axis]) continue;  // on its way there already
-    scene_.replace(row, along(axis, time, value_at(events, time), wanted[axis]));
+    scene.replace(row, along(axis, time, value_at(events, time), wanted[axis]));
   }
 }
 
 void ParticleDrag::release() {
   if (!particle_) return;
-  for (int axis = scene_.model().dimension; axis-- > 0;) scene_.remove(first_row_ + static_cast<std::size_t>(axis));
+  for (int axis = sim_.model().dimension; axis-- > 0;) sim_.scene().remove(first_row_ + static_cast<std::size_t>(axis));
   particle_.reset();
 }

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <phymul/camera.h>
-#include <phymul/scene.h>
-#include <phymul/solver.h>
+#include <phymul/simulation.h>
 
 #include <optional>
 
@@ -11,11 +10,11 @@
 /// way has many. It follows at a finite speed, as a jump would tear the body.
 class ParticleDrag {
  public:
-  explicit ParticleDrag(phymul::Scene& scene) : scene_(scene) {}
+  explicit ParticleDrag(phymul::Simulation& sim) : sim_(sim) {}
 
   /// Takes the frontmost particle within reach of a place in the picture; false: there is none.
-  bool take(const phymul::Solver& solver, const phymul::Camera& camera, double x, double y, int width, int height);
-  void move(const phymul::Camera& camera, double x, double y, int width, int height, double time);
+  bool take(const phymul::Camera& camera, double x, double y, int width, int height);
+  void move(const phymul::Camera& camera, double x, double y, int width, int height);
   void release();
 
   bool holds() const { return particle_.has_value(); }
@@ -24,7 +23,7 @@ class ParticleDrag {
  private:
   phymul::Load along(int axis, double time, double from, double to) const;
 
-  phymul::Scene& scene_;
+  phymul::Simulation& sim_;
   std::optional<phymul::Index> particle_;
   std::size_t first_row_ = 0;
   double depth_ = 0.0;            // m, from the eye

@@ -24,10 +24,11 @@ constexpr double scale_share = 0.15;       // of the body's size: displacement a
 
 }  // namespace
 
-ViewInput::ViewInput(Simulation& simulation, ViewWindow& window)
+ViewInput::ViewInput(ViewSimulation& simulation, ViewWindow& window)
     : simulation_(simulation),
       window_(window),
-      drag_(simulation.scene()),
+      drag_(simulation.sim()),
+      scalpel_(simulation.sim(), simulation.model()),
       full_scale_(scale_share * body_size(simulation.model())) {
   layers_.full_scale = full_scale_;
   look_at_body();
@@ -51,14 +52,26 @@ void ViewInput::key(int key) {
       simulation_.step(1);
       break;
     case GLFW_KEY_R:
-      drag_.release();
+      let_go();
       simulation_.reset();
+      break;
+    case GLFW_KEY_X:
+      let_go();
+      cutting_ = !cutting_ && simulation_.can_be_cut();
+      if (!simulation_.can_be_cut()) {
+        std::fprintf(stderr, "phymul-view: only a body of tetrahedra with a material can be cut\n");
+      }
+      break;
+    case GLFW_KEY_Z:
+      let_go();
+      simulation_.undo_cut();
       break;
     case GLFW_KEY_K:
       simulation_.change_skin();
       mark_dragged();
       break;
     case GLFW_KEY_B:
+      let_go();  // what holds and cuts is in the scene of the present one
       try {
         simulation_.next_backend();
       } catch (const phymul::Error& error) {
@@ -95,13 +108,23 @@ void ViewInput::button(int button, bool pressed) {
   if (button == GLFW_MOUSE_BUTTON_LEFT) {
     const auto [width, height] = window_.size();
     const double scale = window_.pixels_per_point();
-    drag_.release();
-    const bool taken = pressed && drag_.take(simulation_.solver(), camera_, scale * x_, scale * y_, width, height);
-    turning_ = pressed && !taken;
+    let_go();
+    if (cutting_ && pressed) {
+      simulation_.begin_cut();
+      scalpel_.begin(scale * x_, scale * y_);
+    } else {
+      turning_ = pressed && !drag_.take(camera_, scale * x_, scale * y_, width, height);
+    }
     mark_dragged();
   } else {
     shifting_ = pressed;
   }
+}
+
+void ViewInput::let_go() {
+  drag_.release();
+  scalpel_.end();
+  mark_dragged();
 }
 
 void ViewInput::mark_dragged() {
@@ -140,17 +163,18 @@ void ViewInput::wheel(double notches) {
 }
 
 void ViewInput::advance(double wall_time, bool keep_up) {
-  if (drag_.holds()) {
-    const auto [width, height] = window_.size();
-    const double scale = window_.pixels_per_point();
-    drag_.move(camera_, scale * x_, scale * y_, width, height, simulation_.time());
-  }
-  if (!paused_ && simulation_.failure().empty()) simulation_.advance(wall_time, keep_up);
+  const auto [width, height] = window_.size();
+  const double x = window_.pixels_per_point() * x_, y = window_.pixels_per_point() * y_;
+  drag_.move(camera_, x, y, width, height);
+  if (paused_ || !simulation_.failure().empty()) return;
+  scalpel_.move(camera_, x, y, width, height);
+  simulation_.advance(wall_time, keep_up);
 }
 
 std::string ViewInput::title() const {
   std::string text = simulation_.model().name.empty() ? "phymul" : simulation_.model().name;
   text += ": " + simulation_.status();
+  if (cutting_) text += " [scalpel]";
   if (paused_) text += " [paused]";
   if (!simulation_.failure().empty()) text += " [stopped: " + simulation_.failure() + "; r: back to rest]";
   return text;

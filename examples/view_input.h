@@ -6,14 +6,15 @@
 #include <string>
 
 #include "view_drag.h"
+#include "view_scalpel.h"
 
-class Simulation;
+class ViewSimulation;
 class ViewWindow;
 
 /// What keys and mouse do: to the view, to the layers, to the body.
 class ViewInput {
  public:
-  ViewInput(Simulation& simulation, ViewWindow& window);
+  ViewInput(ViewSimulation& simulation, ViewWindow& window);
 
   // From the window; places in points from its upper left corner, buttons and keys as GLFW numbers them.
   void key(int key);
@@ -21,7 +22,7 @@ class ViewInput {
   void cursor(double x, double y);
   void wheel(double notches);
 
-  void advance(double wall_time, bool keep_up);  ///< one frame, unless paused; see Simulation::advance
+  void advance(double wall_time, bool keep_up);  ///< one frame, unless paused; see ViewSimulation::advance
 
   const phymul::Camera& camera() const { return camera_; }
   const phymul::DisplayOptions& layers() const { return layers_; }
@@ -33,13 +34,15 @@ class ViewInput {
   void shift(double across, double upward);
   void layer_key(int key);
   void mark_dragged();
+  void let_go();
 
-  Simulation& simulation_;
+  ViewSimulation& simulation_;
   ViewWindow& window_;
   phymul::Camera camera_;
   phymul::DisplayOptions layers_;
   ParticleDrag drag_;
+  Scalpel scalpel_;
   double full_scale_ = 0.0;   // m
   double x_ = 0.0, y_ = 0.0;  // of the mouse, points
-  bool turning_ = false, shifting_ = false, paused_ = false;
+  bool turning_ = false, shifting_ = false, cutting_ = false, paused_ = false;
 };

@@ -16,10 +16,12 @@ constexpr const char* keys =
     "In the window:\n"
     "  left drag      on a particle: pull it; elsewhere: turn the view\n"
     "  right drag     shift the view;  wheel: zoom;  f: whole body\n"
-    "  space          pause;  n: one step;  r: back to the rest shape\n"
+    "  x              scalpel, or no longer: a left drag cuts along its way, through the whole depth of the body\n"
+    "  z              undo the last cut: back to the moment before it\n"
+    "  space          pause;  n: one step;  r: back to the rest shape, uncut\n"
     "  b              next backend\n"
     "  s e l p a o    surface, edges, links, particles, attractors (without a material), outline of the rest shape\n"
-    "  k              the file's own surface, or the body that fills it\n"
+    "  k              the file's own surface, or that of a cut body, or the body's cells\n"
     "  t              surface lets through;  c: colours by displacement;  + -: their scale\n"
     "  q, escape      end";
 
@@ -111,7 +113,11 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
   app.add_option("--png", options.png, "write the last frame there")->group("Scripts");
   app.add_flag("--hidden", options.hidden, "no window on the screen")->group("Scripts");
   app.add_option("--keys", options.keys, "press these, one a frame")->group("Scripts");
-  app.add_option("--drag", options.drag, "as the mouse, pixels: x0 y0 x1 y1")->expected(4)->group("Scripts");
+  app.add_option("--drag", options.drag, "as the mouse, pixels; may be given several times")
+      ->option_text("X0 Y0 X1 Y1")
+      ->type_size(4)
+      ->allow_extra_args(false)
+      ->group("Scripts");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

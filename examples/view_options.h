@@ -29,7 +29,7 @@ struct ViewOptions {
   std::string png;
   bool hidden = false;
   std::string keys;          ///< pressed one after the other, one a frame
-  std::vector<double> drag;  ///< pixels x0, y0, x1, y1: as the mouse, from the first frame to the last
+  std::vector<double> drag;  ///< pixels, each x0 y0 x1 y1: as the mouse, one way after the other
 };
 
 /// None where the program should end now, with `exit_code`.
