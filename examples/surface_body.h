@@ -40,6 +40,5 @@ SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double
 /// read_labels(), make_body() and fine_near() do, and where the spacing is 0: none was given.
 phymul::Model fill_labels(const std::string& path, double spacing, const std::vector<double>& fine_balls = {});
 
-/// The same body with spare particles (phymul/body.h) for four cuts through its middle. Places and groups are to be
-/// looked for in the body without: spare particles rest at the place of the first one.
+/// The same body with spare particles (phymul/body.h) for four cuts through its middle.
 phymul::Model with_room_for_cuts(const phymul::Model& model);

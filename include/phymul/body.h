@@ -137,7 +137,8 @@ Model cut_body(Model model, const CutSurface& cut, std::vector<Index>* copies = 
 /// The same body with room for the copies of so many particles, which cuts of a running Simulation need: particles
 /// without mass, cell and neighbour, after all others. About 2.3 are used for each square spacing of cut surface. They
 /// are particles like others in every state, picture and file, and rest at the place of the first one until a cut uses
-/// them. Throws Error for a negative number and a body without cells.
+/// them; Model::particles_in() and displacement_norms() leave them out. Throws Error for a negative number and a body
+/// without cells.
 Model with_spare_particles(Model model, Index count);
 
 }  // namespace phymul

@@ -154,7 +154,8 @@ struct Model {
   std::vector<Index> group(std::string_view group_name) const;
   bool has_group(std::string_view group_name) const;
 
-  std::vector<Index> particles_in(const Contains& contains) const;  ///< those whose rest positions it accepts, sorted
+  /// Those whose rest positions it accepts, sorted; without spare ones (with_spare_particles).
+  std::vector<Index> particles_in(const Contains& contains) const;
   /// Rows of the cells, but those that are removed, whose centre (mean of their vertices) at these positions, [N] m, it
   /// accepts; at rest, where there are none. Throws Error for another number of positions.
   std::vector<Index> cells_in(const Contains& contains, std::span<const Vec3> position = {}) const;

@@ -31,6 +31,7 @@ struct DisplacementNorms {
   double max = 0.0;  ///< m
   Index max_particle = -1;
 };
+/// Over all particles but spare ones (with_spare_particles).
 DisplacementNorms displacement_norms(const Model& model, const State& state);
 
 /// Error of positions against reference positions. A particle does not move if its reference is within 1e-12 body sizes

@@ -275,7 +275,8 @@ std::vector<Index> spare_particles_of(const Model& model) {
   std::vector<Index> spare;
   for (Index i = last + 1; last >= 0 && i < model.particle_count(); ++i) {
     const bool joined = i >= model.neighbours.rows() || model.neighbours.size(i) != 0;
-    if (model.mass[i] == 0.0 && !joined) spare.push_back(i);
+    const bool has_mass = static_cast<std::size_t>(i) >= model.mass.size() || model.mass[i] != 0.0;
+    if (!has_mass && !joined) spare.push_back(i);
   }
   return spare;
 }

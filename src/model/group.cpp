@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cell_cutter.h"
 #include "cell_geometry.h"
 #include "require_indices.h"
 
@@ -138,8 +139,9 @@ std::vector<Index> Model::group(std::string_view group_name) const {
 
 std::vector<Index> Model::particles_in(const Contains& contains) const {
   std::vector<Index> particles;
+  const std::vector<Index> spare = spare_particles_of(*this);
   for (Index i = 0; i < particle_count(); ++i) {
-    if (contains(rest[i])) particles.push_back(i);
+    if (contains(rest[i]) && !std::ranges::binary_search(spare, i)) particles.push_back(i);
   }
   return particles;
 }

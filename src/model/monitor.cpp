@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "cell_cutter.h"
 #include "cell_geometry.h"
 
 namespace phymul {
@@ -118,7 +119,9 @@ DisplacementNorms displacement_norms(const Model& model, const State& state) {
   require_count(model, state.position.size(), "positions");
   DisplacementNorms norms;
   double squares = 0.0;
+  const std::vector<Index> spare = spare_particles_of(model);
   for (Index i = 0; i < model.particle_count(); ++i) {
+    if (std::ranges::binary_search(spare, i)) continue;
     const double length = distance(state.position[i], model.rest[i]);
     squares += length * length;
     if (norms.max_particle < 0 || length > norms.max) {
@@ -126,7 +129,7 @@ DisplacementNorms displacement_norms(const Model& model, const State& state) {
       norms.max_particle = i;
     }
   }
-  if (!model.rest.empty()) norms.rms = std::sqrt(squares / static_cast<double>(model.rest.size()));
+  if (!model.rest.empty()) norms.rms = std::sqrt(squares / static_cast<double>(model.rest.size() - spare.size()));
   return norms;
 }
 

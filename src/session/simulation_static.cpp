@@ -265,7 +265,8 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   const std::span<const Mat3> diagonal = body != nullptr ? body->diagonal() : std::span<const Mat3>();
   std::unique_ptr<RestTools>& tools = parts_->at_rest.tools;
   const auto make_tools = [&] { tools = std::make_unique<RestTools>(scene(), diagonal, loads.fixed); };
-  if (!options.predict || !tools || !tools->follow(scene())) make_tools();
+  const bool follows = options.predict && parts_->at_rest.end == state.position;
+  if (!follows || !tools->follow(scene())) make_tools();
   std::vector<RestTerm*> terms;
   if (!joints.empty()) terms.push_back(&joints);
   if (has_tools) terms.push_back(tools.get());
@@ -278,7 +279,6 @@ StaticResult Simulation::solve_static(const StaticOptions& options) {
   if (!result.cause.empty()) return result;
 
   double gain = 0.0;  // J, by beginning at the rest shape, where springs and tools alone may have energy
-  const bool follows = options.predict && parts_->at_rest.end == state.position;
   if (!follows && state.position != topology.rest) {
     gain = potential_energy(topology, loads, terms, state.position);
     for (const RestTerm* term : terms) gain -= term->energy(topology.rest);

@@ -37,6 +37,18 @@ CutSurface half_way() {
   return cut;
 }
 
+/// They rest at the place of the first particle. Held with it, the copies of a later cut would hang in the air.
+TEST(Cut, SpareParticlesAreInNoGroupAndMoveNowhere) {
+  const Model model = slab();
+  const Model with_room = with_spare_particles(model, 100);
+  ASSERT_EQ(with_room.rest.back(), model.rest.front());
+  const auto near = [&](const Vec3& x) { return (x - model.rest.front()).norm() < 0.01; };
+  EXPECT_EQ(with_room.particles_in(near), model.particles_in(near));
+  State state = rest_state(with_room);
+  for (Index i = 0; i < model.particle_count(); ++i) state.position[i].x() += 1e-3;
+  EXPECT_NEAR(displacement_norms(with_room, state).rms, 1e-3, 1e-12);
+}
+
 TEST(Cut, LeavesTheTablesOfABodyBuiltAnew) {
   for (const bool regions : {false, true}) {
     SCOPED_TRACE(regions);
