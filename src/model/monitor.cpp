@@ -119,9 +119,7 @@ DisplacementNorms displacement_norms(const Model& model, const State& state) {
   require_count(model, state.position.size(), "positions");
   DisplacementNorms norms;
   double squares = 0.0;
-  const std::vector<Index> spare = spare_particles_of(model);
   for (Index i = 0; i < model.particle_count(); ++i) {
-    if (std::ranges::binary_search(spare, i)) continue;
     const double length = distance(state.position[i], model.rest[i]);
     squares += length * length;
     if (norms.max_particle < 0 || length > norms.max) {
@@ -129,7 +127,8 @@ DisplacementNorms displacement_norms(const Model& model, const State& state) {
       norms.max_particle = i;
     }
   }
-  if (!model.rest.empty()) norms.rms = std::sqrt(squares / static_cast<double>(model.rest.size() - spare.size()));
+  const std::size_t count = model.rest.size() - spare_particles_of(model).size();
+  if (count > 0) norms.rms = std::sqrt(squares / static_cast<double>(count));
   return norms;
 }
 
