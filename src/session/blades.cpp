@@ -212,7 +212,6 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     const EdgeNow edge(*blade, pose, last.places == seen.places ? last.pose : tool.pose, model, body_edit(),
                        now.position, own->blade);
     const std::vector<Index> cells = edge.cells();
-    if (cells.empty()) continue;
     if (solver().substeps() > 1) {
       report.uncut += static_cast<int>(cells.size());
       continue;
