@@ -11,6 +11,7 @@ namespace {
 
 constexpr int edge_sweeps = 4;
 constexpr double points_in_spacing = 4.0;
+constexpr double most_points = 1e4;  // so that an edge of any length has room
 /// Spacings: tissue that is farther from its point of the edge, aside or behind, has been left.
 constexpr double left_behind = 1.0;
 constexpr int farthest_walk = 30;  // sites
@@ -61,7 +62,7 @@ void BladeEdge::build() {
   }
   if (sites_.empty()) return;
   spacing_ = std::cbrt(volume / static_cast<double>(place_at_.size()));
-  count_ = std::max(1, static_cast<Index>(std::ceil(points_in_spacing * curve_.length() / spacing_)));
+  count_ = static_cast<Index>(std::clamp(std::ceil(points_in_spacing * curve_.length() / spacing_), 1.0, most_points));
   follow_body();
 }
 

@@ -13,12 +13,13 @@ namespace {
 
 constexpr int side_sweeps = 4;
 constexpr double side_points_in_spacing = 2.0;
+constexpr double most_side_points = 300.0;  // along each side, so that sides of any size have room
 
 }  // namespace
 
 void BladeEdge::lay_out_sides() {
   const auto points = [&](double length) {
-    return std::max(1, static_cast<int>(std::ceil(side_points_in_spacing * length / spacing_)));
+    return static_cast<int>(std::clamp(std::ceil(side_points_in_spacing * length / spacing_), 1.0, most_side_points));
   };
   const int columns = points(curve_.length()), rows = points(blade_.height);
   side_rows_ = static_cast<std::size_t>(rows);

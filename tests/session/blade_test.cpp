@@ -318,6 +318,14 @@ TEST(Blade, HasTheSameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(one.sim.snapshot().state, two.sim.snapshot().state);
 }
 
+/// Sizes in micrometres for metres, say: points along the edge and on the sides are limited.
+TEST(Blade, OfAnySizeHasRoom) {
+  Stroke stroke("cpu");
+  stroke.sim.scene().add_tool(
+      "large", {.shape = Blade{.width = 2e4, .toughness = 20.0, .height = 1e4, .friction = 1e3}, .pose = stroke.pose});
+  EXPECT_TRUE(stroke.go_on(0.5e-3).ok());
+}
+
 TEST(Blade, SaysWhatItCannotCut) {
   Stroke stroke("cpu", 0.0, 0.005, 1e4, 9, 3);
   int uncut = 0;
