@@ -11,6 +11,7 @@ namespace {
 
 constexpr int edge_sweeps = 4;
 constexpr double points_in_spacing = 4.0;
+constexpr double most_points = 1e4;  // so that an edge of any length has room
 /// Spacings: tissue that is farther from its point of the edge, aside or behind, has been left.
 constexpr double left_behind = 1.0;
 constexpr int farthest_walk = 30;  // sites
@@ -28,20 +29,22 @@ BladeEdge::BladeEdge(const Blade& blade, const Model& model) : blade_(blade), cu
 void BladeEdge::build() {
   double volume = 0.0;
   std::map<std::array<Index, 3>, std::pair<Index, int>> faces;
-  for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
+  rows_ = static_cast<Index>(model_.cells.size());
+  site_of_row_.assign(model_.cells.size(), -1);
+  for (Index row = 0; row < rows_; ++row) {
     const Cell& cell = model_.cells[row];
-    site_of_row_.push_back(-1);
     if (cell.type != CellType::tetrahedron) continue;
     const Key key = key_of(cell);
     sites_at_.resize(place_at_.size());
     if (const Index known = site_of(key); known >= 0) {
-      sites_[known].further.push_back(row);
-      divided_.push_back(known);
+      // Rows of cuts go when these are undone: follow_body() has them.
+      if (!cell.cuts.empty()) rows_ = row;
+      if (cell.cuts.empty()) sites_[known].further.push_back(row);
       continue;
     }
     const auto site = static_cast<Index>(sites_.size());
     sites_.push_back({row, key});
-    site_of_row_.back() = site;
+    site_of_row_[row] = site;
     std::array<Vec3, 4> x;
     for (std::size_t v = 0; v < 4; ++v) x[v] = model_.rest[cell.particles[v]];
     volume += std::abs((x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0])) / 6.0;
@@ -57,10 +60,10 @@ void BladeEdge::build() {
       sites_[other->second.first].beyond[other->second.second] = site;
     }
   }
-  rows_ = static_cast<Index>(model_.cells.size());
   if (sites_.empty()) return;
   spacing_ = std::cbrt(volume / static_cast<double>(place_at_.size()));
-  count_ = std::max(1, static_cast<Index>(std::ceil(points_in_spacing * curve_.length() / spacing_)));
+  count_ = static_cast<Index>(std::clamp(std::ceil(points_in_spacing * curve_.length() / spacing_), 1.0, most_points));
+  follow_body();
 }
 
 Index BladeEdge::place_of(Index particle) {
@@ -93,6 +96,7 @@ void BladeEdge::begin_call() {
 
 void BladeEdge::accept() {
   points_ = next_;
+  for (Side& side : sides_) side.now = side.next;
   looks_ = false;
 }
 
@@ -181,18 +185,18 @@ std::vector<BladePoint> BladeEdge::state() const {
 
 void BladeEdge::restore(const std::vector<BladePoint>& state) {
   points_.clear();
-  for (Side& side : sides_) side.site = -1;
+  for (Side& side : sides_) side.now = {};
   for (const BladePoint& point : state) {
     const Index most = count_ + static_cast<Index>(sides_.size());
     const bool known = point.cell >= 0 && point.cell < rows_ && point.place >= 0 && point.place < most;
     const Index site = known ? site_of_row_[point.cell] : -1;
     if (site < 0) continue;
-    const auto& w = point.weights;
+    const Weights weights(point.weights.data());
     if (point.place >= count_) {
-      sides_[point.place - count_].site = site;
+      sides_[point.place - count_].now = {site, weights};
       continue;
     }
-    points_.push_back({point.place, site, Weights(w[0], w[1], w[2], w[3]), point.ahead, point.slides});
+    points_.push_back({point.place, site, weights, point.ahead, point.slides});
   }
   next_ = points_;
 }
@@ -323,8 +327,11 @@ bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const Tool
 void BladeEdge::act(TouchedParticles& touched, const ToolPose& start, const ToolPose& pose, ToolForce& force) {
   if (sites_.empty()) return;
   const ToolFrame end(pose);
+  pushed_.clear();
   if (blade_.toughness > 0.0) cut(touched, end, force);
   if (has_sides()) rub(touched, ToolFrame(start), end, force);
+  std::ranges::sort(pushed_);
+  force.particles += static_cast<int>(std::ranges::unique(pushed_).begin() - pushed_.begin());
 }
 
 void BladeEdge::cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& force) {
@@ -359,7 +366,6 @@ void BladeEdge::cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& 
     }
   }
   std::size_t left = 0;
-  found_.clear();
   for (std::size_t k = 0; k < kept; ++k) {
     const Acting& acting = acting_[k];
     for (const auto& [slot, weight] : acting.corners) {
@@ -368,7 +374,7 @@ void BladeEdge::cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& 
       const Vec3 given = particle.free_part(weight * acting.impulse * acting.way);
       force.force -= given / dt;
       force.torque -= (particle.position - end.position).cross(given) / dt;
-      found_.push_back(particle.particle);
+      pushed_.push_back(particle.particle);
     }
     Point& point = next_[k];
     point.slides = acting.impulse >= acting.limit;
@@ -380,8 +386,6 @@ void BladeEdge::cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& 
     if (point.site >= 0) next_[left++] = point;
   }
   next_.resize(left);
-  std::ranges::sort(found_);
-  force.particles += static_cast<int>(std::ranges::unique(found_).begin() - found_.begin());
 }
 
 }  // namespace phymul

@@ -106,13 +106,14 @@ class BladeEdge {
   std::vector<Index> place_of_;                      // [N] of particles as far as they were asked for, else -1
   VecList rest_;                                     // m, by place
   std::vector<std::vector<Index>> sites_at_;         // by place
-  Index rows_ = 0;                                   // of Model::cells when it was built
-  std::vector<Index> site_of_row_;                   // [rows_], -1
+  Index rows_ = 0;                                   // of Model::cells, without those of cuts
+  std::vector<Index> site_of_row_;                   // [rows_] at least, -1
   std::vector<Index> divided_;                       // sites with further rows
   std::vector<Point> points_, next_;                 // by place along the edge
   std::vector<Acting> acting_;                       // of next_
   bool looks_ = true;
   std::vector<Index> found_, around_;  // particles, sites
+  std::vector<Index> pushed_;          // particles, in this step
   struct Near {
     Index site = -1;
     Corners corners{};  // m, at the step's end
@@ -122,9 +123,12 @@ class BladeEdge {
 
   /// A point of the sides, in the middle of its part of them.
   struct Side {
+    struct Tissue {
+      Index site = -1;  // -1: none
+      Weights at = Weights::Zero();
+    };
     Vec3 place{0, 0, 0}, normal{0, 0, 0};  // m, in the tool's frame
-    Index site = -1;                       // -1: not in tissue
-    Weights at = Weights::Zero();
+    Tissue now{}, next{};
     Acting acting{};
     Vec3 impulse{0, 0, 0};  // N s so far
   };

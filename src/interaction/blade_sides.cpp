@@ -13,12 +13,13 @@ namespace {
 
 constexpr int side_sweeps = 4;
 constexpr double side_points_in_spacing = 2.0;
+constexpr double most_side_points = 300.0;  // along each side, so that sides of any size have room
 
 }  // namespace
 
 void BladeEdge::lay_out_sides() {
   const auto points = [&](double length) {
-    return std::max(1, static_cast<int>(std::ceil(side_points_in_spacing * length / spacing_)));
+    return static_cast<int>(std::clamp(std::ceil(side_points_in_spacing * length / spacing_), 1.0, most_side_points));
   };
   const int columns = points(curve_.length()), rows = points(blade_.height);
   side_rows_ = static_cast<std::size_t>(rows);
@@ -34,23 +35,23 @@ void BladeEdge::lay_out_sides() {
 /// At the first step of a call: where points come into tissue. They do so from the edge on, or beside others.
 void BladeEdge::find_sides(const TouchedParticles& touched, const ToolFrame& end) {
   const auto enter = [&](Side& side, Index from) {
-    if (side.site < 0 && from >= 0) side.site = walk(touched, from, end.outside(side.place), side.at);
+    if (side.next.site < 0 && from >= 0) side.next.site = walk(touched, from, end.outside(side.place), side.next.at);
   };
   const std::size_t rows = side_rows_, count = sides_.size();
   for (const Point& point : next_) {
     const double column = (point.place + 0.5) / count_ * static_cast<double>(count / rows);
     enter(sides_[static_cast<std::size_t>(column) * rows], point.site);
   }
-  if (blade_.toughness == 0.0 && std::ranges::all_of(sides_, [](const Side& side) { return side.site < 0; })) {
+  if (blade_.toughness == 0.0 && std::ranges::all_of(sides_, [](const Side& side) { return side.next.site < 0; })) {
     look_for_sides(touched, end);
   }
   for (std::size_t k = 0; k < count; ++k) {
-    if (k % rows > 0) enter(sides_[k], sides_[k - 1].site);
-    if (k >= rows) enter(sides_[k], sides_[k - rows].site);
+    if (k % rows > 0) enter(sides_[k], sides_[k - 1].next.site);
+    if (k >= rows) enter(sides_[k], sides_[k - rows].next.site);
   }
   for (std::size_t k = count; k-- > 0;) {
-    if (k % rows + 1 < rows) enter(sides_[k], sides_[k + 1].site);
-    if (k + rows < count) enter(sides_[k], sides_[k + rows].site);
+    if (k % rows + 1 < rows) enter(sides_[k], sides_[k + 1].next.site);
+    if (k + rows < count) enter(sides_[k], sides_[k + rows].next.site);
   }
 }
 
@@ -65,33 +66,35 @@ void BladeEdge::look_for_sides(const TouchedParticles& touched, const ToolFrame&
     const Vec3 x = end.outside(side.place);
     for (const Near& near : near_) {
       if ((x.array() < near.low.array()).any() || (x.array() > near.high.array()).any()) continue;
-      if (weights_in(near.corners, x).minCoeff() >= in_site) side.site = near.site;
-      if (side.site >= 0) break;
+      if (weights_in(near.corners, x).minCoeff() >= in_site) side.next.site = near.site;
+      if (side.next.site >= 0) break;
     }
   }
 }
 
 void BladeEdge::add_sides(std::vector<BladePoint>& state) const {
   for (std::size_t k = 0; k < sides_.size(); ++k) {
-    const Side& side = sides_[k];
-    if (side.site < 0) continue;
+    const auto& [site, at] = sides_[k].now;
+    if (site < 0) continue;
     const double behind = blade_.height * (static_cast<double>(k % side_rows_) + 0.5) / static_cast<double>(side_rows_);
     state.push_back({.place = count_ + static_cast<Index>(k),
-                     .cell = sites_[side.site].row,
-                     .weights = {side.at[0], side.at[1], side.at[2], side.at[3]},
-                     .along = curve_.unrolled(side.place).x(),
+                     .cell = sites_[site].row,
+                     .weights = {at[0], at[1], at[2], at[3]},
+                     .along = curve_.unrolled(sides_[k].place).x(),
                      .ahead = -behind});
   }
 }
 
 void BladeEdge::rub(TouchedParticles& touched, const ToolFrame& start, const ToolFrame& end, ToolForce& force) {
   const double dt = touched.dt();
+  for (Side& side : sides_) side.next = side.now;
   if (looks_) find_sides(touched, end);
   for (Side& side : sides_) {
-    if (side.site >= 0) side.site = walk(touched, side.site, end.outside(side.place), side.at);
+    auto& [site, at] = side.next;
+    if (site >= 0) site = walk(touched, site, end.outside(side.place), at);
     side.impulse.setZero();
-    if (side.site >= 0 && !take_corners(touched, sites_[side.site], side.at, side.acting)) side.site = -1;
-    if (side.site < 0) continue;
+    if (site >= 0 && !take_corners(touched, sites_[site], at, side.acting)) site = -1;
+    if (site < 0) continue;
     side.acting.inverse_mass = 0.0;
     for (const auto& [slot, weight] : side.acting.corners) {
       if (!touched[slot].held) side.acting.inverse_mass += weight * weight * touched[slot].inverse_mass;
@@ -100,7 +103,7 @@ void BladeEdge::rub(TouchedParticles& touched, const ToolFrame& start, const Too
   const double limit = blade_.friction * curve_.length() * blade_.height / static_cast<double>(sides_.size()) * dt;
   for (int sweep = 0; sweep < side_sweeps; ++sweep) {
     for (Side& side : sides_) {
-      if (side.site < 0 || !(side.acting.inverse_mass > 0.0)) continue;
+      if (side.next.site < 0 || !(side.acting.inverse_mass > 0.0)) continue;
       Vec3 slip = (end.outside(side.place) - start.outside(side.place)) / dt;
       for (const auto& [slot, weight] : side.acting.corners) slip -= weight * touched[slot].velocity;
       const Vec3 normal = end.turn * side.normal;
@@ -114,6 +117,12 @@ void BladeEdge::rub(TouchedParticles& touched, const ToolFrame& start, const Too
         force.torque -= (particle.position - end.position).cross(given) / dt;
       }
       side.impulse = to;
+    }
+  }
+  for (const Side& side : sides_) {
+    if (side.impulse == Vec3::Zero()) continue;
+    for (const auto& [slot, weight] : side.acting.corners) {
+      if (!touched[slot].held) pushed_.push_back(touched[slot].particle);
     }
   }
 }

@@ -44,8 +44,8 @@ class BladeCurve {
   double bend_ = 0.0, radius_ = 0.0;  // m, radii of belly and bow with their signs; 0: straight
 };
 
-/// m: a ball of this radius goes wherever the shape goes through a surface, 0 for a DistanceGrid; empty for a HalfSpace
-/// a Needle and a Blade, which do not go through.
+/// m: a ball of this radius goes wherever the shape goes through a surface, 0 for a DistanceGrid; empty for a
+/// HalfSpace, a Needle and a Blade, which do not go through.
 std::optional<double> least_radius(const ToolShape& shape);
 
 struct GraspedParticle {

@@ -20,8 +20,6 @@ namespace {
 constexpr double same_cut = 0.5;
 /// Of a spacing: the same where the cut ends at the particle, because tissue that parts can be drawn aside by more.
 constexpr double same_front = 1.5;
-/// Spacings from the middle of a section to a corner of its cell, at most.
-constexpr double longest_edge = 2.0;
 /// Of distances of a cell's corners from a cut and from a blade: the correlation above which the two are one cut.
 constexpr double parallel = 0.8;
 
@@ -53,7 +51,9 @@ class EdgeNow {
     Blade edge = blade_;
     edge.height = 0.0;
     const ToolExtent extent = extent_of({.shape = edge});
-    const double around = longest_edge * spacing_, off = same_front * spacing_;
+    // A place in a tetrahedron is within sqrt(3/8) of its longest edge of a corner (Jung's theorem); the rest of the
+    // edge is for cells that are stretched.
+    const double around = edit_.longest_edge(), off = same_front * spacing_;
     const Vec3 low = extent.low.array() - around, high = extent.high + Vec3(around, around, behind_ + around);
     const Vec3 middle = frame_.outside(0.5 * (low + high));
     const double reach = 0.5 * (high - low).norm();
@@ -205,11 +205,13 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     const State now = solver().read();
     const auto own = std::ranges::find(now.tools, tool.name, &ToolState::name);
     if (own == now.tools.end()) continue;
-    const ToolPose& pose = solver().tool_pose(tool.name);
-    const ToolPose last = std::exchange(blade_poses.try_emplace(tool.id, pose).first->second, pose);
-    const EdgeNow edge(*blade, pose, last, model, body_edit(), now.position, own->blade);
+    const SeenBlade seen{solver().tool_pose(tool.name), tool.places};
+    const ToolPose& pose = seen.pose;
+    const SeenBlade last = std::exchange(blades_seen.try_emplace(tool.id, seen).first->second, seen);
+    // One that was teleported has passed nothing before.
+    const EdgeNow edge(*blade, pose, last.places == seen.places ? last.pose : tool.pose, model, body_edit(),
+                       now.position, own->blade);
     const std::vector<Index> cells = edge.cells();
-    if (cells.empty()) continue;
     if (solver().substeps() > 1) {
       report.uncut += static_cast<int>(cells.size());
       continue;

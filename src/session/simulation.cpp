@@ -153,7 +153,11 @@ void Simulation::Parts::begin(double dt) {
 }
 
 void Simulation::Parts::state_changed() {
-  blade_poses.clear();
+  blades_seen.clear();
+  for (const SceneTool& tool : scene.tools()) {
+    if (std::holds_alternative<Blade>(tool.tool.shape))
+      blades_seen[tool.id] = {solver().tool_pose(tool.name), tool.places};
+  }
   if (recorder) recorder->restore(solver().snapshot());
 }
 
@@ -342,6 +346,7 @@ void Simulation::replay(Recording recording) {
   Replay replay(std::move(recording), parts_->solver(), scene());
   replay.on_body = [this](const std::vector<Index>& removed, const BodyCuts& cuts) { parts_->set_body(removed, cuts); };
   replay.run();
+  parts_->state_changed();
 }
 
 }  // namespace phymul

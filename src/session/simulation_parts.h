@@ -51,8 +51,12 @@ struct Simulation::Parts {
   Model model;
   Scene scene;
   std::shared_ptr<TopologyTextures> topology;
-  std::unique_ptr<BodyEdit> edit;                 ///< of model and topology, by body_edit()
-  std::map<std::uint64_t, ToolPose> blade_poses;  ///< by SceneTool::id, where cut_with_blades() saw them last
+  std::unique_ptr<BodyEdit> edit;  ///< of model and topology, by body_edit()
+  struct SeenBlade {
+    ToolPose pose{};
+    std::uint64_t places = 0;  ///< SceneTool
+  };
+  std::map<std::uint64_t, SeenBlade> blades_seen;  ///< by SceneTool::id, after the last call
   Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;

@@ -259,7 +259,7 @@ Tears::Found Tears::find(const TopologyTextures& elastic, const State& now) {
   for (Index row = 0; row < static_cast<Index>(torn.size()); ++row) {
     if (torn[row] != 0) found.cells.push_back(row);
   }
-  if (found.empty()) begin_near_grasps(elastic, now, found);
+  if (found.cells.empty()) begin_near_grasps(elastic, now, found);
   // Beside particles, by so much that no part is thin; not through them, as a cut goes.
   for (auto& [i, distance] : found.distance) {
     double shortest = HUGE_VAL;
@@ -335,7 +335,6 @@ void Simulation::Parts::tear(StepReport& report) {
   }
   if (!tears.has_fronts() && scene.tools().empty()) return;
   const Tears::Found torn = tears.find(elastic(), solver().read());
-  if (torn.empty()) return;
   if (solver().substeps() > 1) {
     report.uncut += static_cast<int>(torn.cells.size());
     return;

@@ -31,7 +31,6 @@ class Tears {
   struct Found {
     std::vector<Index> cells{};                    ///< rows, ascending
     std::unordered_map<Index, double> distance{};  ///< m, of their particles from the new surface
-    bool empty() const { return cells.empty(); }
   };
   Found find(const TopologyTextures& elastic, const State& now);
 

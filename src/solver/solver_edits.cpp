@@ -17,13 +17,13 @@
 
 namespace phymul {
 
-/// Of the body as it is now: an edit forgets it.
 Snapshot SolverBackend::snapshot() const {
   Snapshot snapshot = snapshot_without_hash();
   snapshot.topology_hash = topology_hash();
   return snapshot;
 }
 
+/// Of the body as it is now: an edit forgets it.
 std::uint64_t SolverBackend::topology_hash() const {
   if (!topology_hash_) topology_hash_ = fingerprint(*topology_);
   return *topology_hash_;

@@ -53,7 +53,13 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   std::iota(first_of_.begin(), first_of_.end(), 0);
   double volume = 0.0;
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    if (has_material(model, model.cells[row])) volume += signed_measure(model.dimension, model.cells[row], model.rest);
+    const Cell& cell = model.cells[row];
+    if (!has_material(model, cell)) continue;
+    volume += signed_measure(model.dimension, cell, model.rest);
+    for (const Index a : cell.particles) {
+      for (const Index b : cell.particles)
+        longest_edge_ = std::max(longest_edge_, (model.rest[a] - model.rest[b]).norm());
+    }
   }
   const auto used = std::ranges::count_if(cells_of_, [](const auto& cells) { return !cells.empty(); });
   spacing_ = std::cbrt(volume / static_cast<double>(used));

@@ -37,7 +37,8 @@ class BodyEdit {
   void make(std::shared_ptr<const BodyCut> cut);
   void undo();
 
-  double spacing() const { return spacing_; }  ///< m, cube root of the volume per particle of a cell
+  double spacing() const { return spacing_; }            ///< m, cube root of the volume per particle of a cell
+  double longest_edge() const { return longest_edge_; }  ///< m, of its cells at rest
   const std::vector<std::vector<Index>>& cells_of() const { return cells_of_; }
 
  private:
@@ -84,7 +85,7 @@ class BodyEdit {
   VecList spare_places_;                        // [N] m, or empty: at rest, of those
   std::vector<double> modulus_;                 // [D] Pa
   std::vector<double> rate_;                    // [N] 1/s^2, own_stiffness() over the mass
-  double spacing_ = 0.0;                        // m
+  double spacing_ = 0.0, longest_edge_ = 0.0;   // m
   double largest_rate_ = 0.0;                   // of these, at the beginning
   std::vector<Room> room_, surface_room_;       // [D]
   std::vector<CellPoint> points_;               // of the cell at hand

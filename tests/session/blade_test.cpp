@@ -15,46 +15,12 @@
 #include "support/every_backend.h"
 #include "support/message_of.h"
 #include "support/removable_body.h"
+#include "support/stroke.h"
 
 namespace phymul {
 namespace {
 
 using namespace test;
-
-/// A slab of 60 x 40 x 20 mm on its lower face, and a blade that goes into it along -x in the plane y = 20.5 mm, with
-/// its edge along z.
-struct Stroke {
-  Simulation sim;
-  ToolHandle blade;
-  ToolPose pose;
-
-  Stroke(const std::string& backend, double toughness, double lowest = 0.005, double young = 1e4, int across = 9,
-         Index spare = 600, int threads = 0, double friction = 0.0)
-      : sim(with_spare_particles(
-                make_tetrahedral_block({0.06, 0.04, 0.02}, across, across * 2 / 3, across / 3, 0.25, 7), spare),
-            {.material = {young, 0.45, 1000.0},
-             .backend = backend,
-             .damping = {.rate = 20.0},
-             .solver = {.threads = threads}}),
-        blade(sim.scene().fix("z0").add_tool(
-            "scalpel",
-            {.shape = Blade{.width = 0.025 - lowest, .toughness = toughness, .height = 0.01, .friction = friction},
-             .pose = first(lowest)})),
-        pose(first(lowest)) {}
-
-  static ToolPose first(double lowest) {
-    Mat3 axes;
-    axes << 0, 0, 1, 0, 1, 0, 1, 0, 0;
-    axes.col(1) = axes.col(2).cross(axes.col(0));
-    return {.position = {0.062, 0.0205, 0.5 * (0.025 + lowest)}, .orientation = Quaternion(Eigen::Quaterniond(axes))};
-  }
-
-  StepReport go_on(double by, double seconds = 1e-3) {
-    pose.position.x() -= by;
-    blade.move_to(pose);
-    return sim.advance(seconds);
-  }
-};
 
 class BladeOn : public OnEveryBackend {};
 
@@ -173,6 +139,9 @@ TEST(Blade, SidesRubByTheirAreaInTissue) {
       const double force = sim.force_on(blade).mean_force.x();
       if (tick >= 400 && tick < 900) in += force / 500;
       if (tick >= 1100) out -= force / 400;
+      if (tick == 1100) {
+        EXPECT_GT(sim.force_on(blade).particles, 0);
+      }
     }
     EXPECT_NEAR(in / (length * (toughness + friction * height)), 1.0, 0.05);
     EXPECT_NEAR(out / (length * friction * height), 1.0, 0.05);
@@ -347,6 +316,14 @@ TEST(Blade, HasTheSameBitsOnAnyNumberOfThreads) {
   }
   ASSERT_FALSE(one.sim.cuts().empty());
   EXPECT_EQ(one.sim.snapshot().state, two.sim.snapshot().state);
+}
+
+/// Sizes in micrometres for metres, say: points along the edge and on the sides are limited.
+TEST(Blade, OfAnySizeHasRoom) {
+  Stroke stroke("cpu");
+  stroke.sim.scene().add_tool(
+      "large", {.shape = Blade{.width = 2e4, .toughness = 20.0, .height = 1e4, .friction = 1e3}, .pose = stroke.pose});
+  EXPECT_TRUE(stroke.go_on(0.5e-3).ok());
 }
 
 TEST(Blade, SaysWhatItCannotCut) {

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+//
+// What a blade does next is determined by the state: also after a teleport, a snapshot, a recording, a cut that was
+// undone and a step that failed.
+#include <gtest/gtest.h>
+#include <phymul/bodies.h>
+#include <phymul/phymul.h>
+
+#include <algorithm>
+
+#include "support/stroke.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+/// By more than a spacing in a tick.
+TEST(BladeState, AFastOneGoesOnFromASnapshotAsItDid) {
+  for (const double toughness : {0.0, 20.0}) {
+    Stroke stroke("cpu", toughness, -0.005);
+    for (int tick = 0; tick < 2; ++tick) stroke.go_on(0.012);
+    const Snapshot half_way = stroke.sim.snapshot();
+    const ToolPose pose = stroke.pose;
+    const auto go_on = [&] {
+      for (int tick = 0; tick < 2; ++tick) stroke.go_on(0.012);
+      return stroke.sim.snapshot().state;
+    };
+    const State end = go_on();
+    const BodyCuts cuts = stroke.sim.cuts();
+    stroke.sim.restore(half_way);
+    stroke.pose = pose;
+    EXPECT_EQ(go_on(), end) << toughness;
+    EXPECT_TRUE(equal_cuts(stroke.sim.cuts(), cuts)) << toughness;
+  }
+}
+
+/// From 2 mm before the slab to more than two spacings beyond it; then from there back.
+TEST(BladeState, ATeleportedOneCutsNothingOnItsWay) {
+  Stroke stroke("cpu", 0.0, -0.005);
+  ASSERT_TRUE(stroke.go_on(0.0).ok());
+  for (const double x : {-0.02, 0.08}) {
+    stroke.pose.position.x() = x;
+    stroke.blade.teleport(stroke.pose);
+    ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
+    EXPECT_TRUE(stroke.sim.cuts().empty()) << x;
+  }
+}
+
+TEST(BladeState, AFastOneGoesOnFromARecordingAsItDid) {
+  Stroke stroke("cpu", 0.0, -0.005), again("cpu", 0.0, -0.005);
+  stroke.sim.record();
+  for (int tick = 0; tick < 2; ++tick) stroke.go_on(0.012);
+  again.sim.replay(stroke.sim.recording());
+  again.blade = again.sim.scene().tool("scalpel");
+  again.pose = stroke.pose;
+  for (int tick = 0; tick < 2; ++tick) {
+    stroke.go_on(0.012);
+    again.go_on(0.012);
+  }
+  EXPECT_EQ(again.sim.state(), stroke.sim.state());
+}
+
+/// Added to a body with a cut, it knows the body without that as well.
+TEST(BladeState, OfABodyWithACutFollowsWhenThatIsUndone) {
+  Stroke stroke("cpu", 20.0), other("cpu", 20.0);
+  const Snapshot start = stroke.sim.snapshot();
+  const ToolPose pose = stroke.pose;
+  const Tool blade = stroke.sim.scene().tools().front().tool;
+  for (int tick = 0; tick < 100; ++tick) stroke.go_on(0.2e-3);
+  ASSERT_GT(stroke.sim.model().cells.size(), other.sim.model().cells.size());
+  stroke.sim.scene().remove_tool("scalpel");
+  ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
+  stroke.blade = stroke.sim.scene().add_tool("scalpel", blade);
+  ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
+  stroke.sim.restore(start);
+  stroke.pose = pose;
+  for (int tick = 0; tick < 100; ++tick) {
+    stroke.go_on(0.2e-3);
+    other.go_on(0.2e-3);
+  }
+  EXPECT_EQ(stroke.sim.state().position, other.sim.state().position);
+  EXPECT_TRUE(equal_cuts(stroke.sim.cuts(), other.sim.cuts()));
+}
+
+/// Tools of a state: where it is in tissue, as it was told to a simulation that had not found it out itself.
+TEST(BladeState, OfItsSidesIsThatWhichWasRestored) {
+  const auto make = [] { return Stroke("cpu", 20.0, 0.005, 1e4, 9, 600, 0, 1e3); };
+  Stroke stroke = make(), other = make();
+  for (int tick = 0; tick < 100; ++tick) stroke.go_on(0.1e-3);
+  const Snapshot snapshot = stroke.sim.snapshot();
+  const auto& points = snapshot.state.tools.front().blade;
+  ASSERT_TRUE(std::ranges::any_of(points, [](const BladePoint& point) { return point.ahead < 0.0; }));
+  other.sim.restore(snapshot);
+  EXPECT_EQ(other.sim.snapshot().state, snapshot.state);
+}
+
+/// In a step that a load makes too large the sides come out of the tissue; that step does not count.
+TEST(BladeState, OfItsSidesIsThatBeforeAStepThatFails) {
+  Stroke stroke("cpu", 20.0, 0.005, 1e4, 9, 600, 0, 1e3);
+  for (int tick = 0; tick < 100; ++tick) stroke.go_on(0.1e-3);
+  const State before = stroke.sim.snapshot().state;
+  stroke.sim.scene().gravity({0, 0, 1e12});
+  ASSERT_FALSE(stroke.sim.step(1, stroke.sim.step_limit()).ok());
+  EXPECT_EQ(stroke.sim.snapshot().state.tools.front().blade, before.tools.front().blade);
+}
+
+/// A spacing is that of all bodies: here an eighth of the coarse one's edges. The blade goes through its side's middle,
+/// far from all particles.
+TEST(BladeState, CutsACoarseBodyBesideAFineOneToo) {
+  const auto cut_cells = [](bool beside) {
+    std::vector<SimulationBody> bodies;
+    if (beside) {
+      Model fine = make_tetrahedral_block({0.02, 0.02, 0.02}, 14, 14, 14, 0.25, 7);
+      for (Vec3& place : fine.rest) place.x() += 0.2;
+      bodies.push_back({.name = "fine", .model = fine});
+    }
+    const Model coarse = make_tetrahedral_block({0.06, 0.04, 0.02}, 3, 2, 1, 0.25, 7);
+    bodies.push_back({.name = "coarse", .model = with_spare_particles(coarse, 100)});
+    Simulation sim(std::move(bodies), {.material = {1e4, 0.45, 1000.0}, .backend = "cpu"});
+    ToolPose pose = Stroke::first(-0.005);
+    const ToolHandle blade = sim.scene().add_tool("scalpel", {.shape = Blade{.width = 0.004}, .pose = pose});
+    for (int tick = 0; tick < 140; ++tick) {
+      pose.position.x() -= 0.5e-3;
+      blade.move_to(pose);
+      EXPECT_TRUE(sim.advance(1e-5).ok());
+    }
+    return std::ranges::count_if(sim.model().cells, [](const Cell& cell) { return !cell.cuts.empty(); });
+  };
+  const auto alone = cut_cells(false);
+  EXPECT_GT(alone, 0);
+  EXPECT_EQ(cut_cells(true), alone);
+}
+
+}  // namespace
+}  // namespace phymul
