@@ -66,6 +66,7 @@ class Steps(Refusals):
         tissue = body.set_material(**SOFT)
         sim = phymul.Simulation(body, backend="reference").fix("z0").gravity((0, 0, -0.1))
         self.assertTrue(sim.solve_static().converged)
+        self.assertTrue(sim.solve_static(predict=True).converged)
         before, forces, step = sim.displacements.copy(), sim.forces.copy(), sim.stable_step
         self.assertTrue(sim.scale_stiffness(0.5, tissue).solve_static().converged)
         np.testing.assert_allclose(sim.displacements, 2 * before, atol=1e-3 * np.abs(before).max())
