@@ -51,16 +51,18 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   }
   first_of_.resize(model.rest.size());
   std::iota(first_of_.begin(), first_of_.end(), 0);
-  double volume = 0.0;
+  double volume = 0.0, squared_edge = 0.0;
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
     if (!has_material(model, cell)) continue;
     volume += signed_measure(model.dimension, cell, model.rest);
-    for (const Index a : cell.particles) {
-      for (const Index b : cell.particles)
-        longest_edge_ = std::max(longest_edge_, (model.rest[a] - model.rest[b]).norm());
+    for (auto a = cell.particles.begin(); a != cell.particles.end(); ++a) {
+      for (auto b = cell.particles.begin(); b != a; ++b) {
+        squared_edge = std::max(squared_edge, (model.rest[*a] - model.rest[*b]).squaredNorm());
+      }
     }
   }
+  longest_edge_ = std::sqrt(squared_edge);
   const auto used = std::ranges::count_if(cells_of_, [](const auto& cells) { return !cells.empty(); });
   spacing_ = std::cbrt(volume / static_cast<double>(used));
   mass_ = model.mass;
