@@ -165,7 +165,8 @@ int main(int argc, char** argv) try {
     }
   }
   std::printf(
-      "particles nu  a ball that goes on by 0.05 mm a call: evaluations and time of a call; off, of the force\n");
+      "particles nu  a ball that goes 0.05 mm deeper with each call: evaluations and time of a call; off, of the "
+      "force\n");
   for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
     for (const double poisson : {0.3, 0.45}) {
       for (int across = 8; across <= 2 * most; across *= 2) {

@@ -81,7 +81,7 @@ list(LENGTH cut cut)
 if(NOT cut GREATER whole)
   message(FATAL_ERROR "phymul-run --cut: expected copies of particles besides ${whole} lines, got ${cut}")
 endif()
-# Drawn by a force, what a cut has left of the section tears through: 2,326 mm^2 of the file's surface, in whole cells.
+# A force tears what the cut has left: 2,326 mm^2 of the file's section, counted by whole cells.
 set(notched ${bean} --spacing 0.012 --fix-near 0.05 0.02 0 0.025 --group tip=-0.05,0.02,0,0.025 --cut 0 0 0 1 0 0
     --cut-front 0 0 0.01 0 0 -1 --out ${OUT}/torn_bean)
 run(3 "Torn: [1-9][0-9]+ cells, 2[0-4][0-9][0-9] mm.2 of 2 pieces" ${notched} --force tip=-1,0,0 --tear 3 0 --max-time 0.5)
