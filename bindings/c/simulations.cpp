@@ -120,6 +120,25 @@ phymul_status copy_out(VecList phymul_simulation::*buffer, phymul_simulation* si
   });
 }
 
+struct RestFigures {  // as of phymul_rest_report
+  int32_t steps, collapsed;
+  double time, residual;
+};
+
+template <class Result, class Place>
+void report_rest(phymul_simulation* sim, const Result& rest, const Place& place, const RestFigures& figures) {
+  sim->message = rest.message();
+  if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
+  if (place)
+    place->fill({.size = 0,
+                 .converged = rest.converged(),
+                 .folded = rest.folded,
+                 .steps = figures.steps,
+                 .collapsed = figures.collapsed,
+                 .time = figures.time,
+                 .residual = figures.residual});
+}
+
 /// Zeros of `options` are the defaults.
 phymul_status solve_static(phymul_simulation* sim, StaticOptions options, phymul_rest_report* report) {
   return guarded([&] {
@@ -128,16 +147,7 @@ phymul_status solve_static(phymul_simulation* sim, StaticOptions options, phymul
     if (options.tolerance == 0.0) options.tolerance = usual.tolerance;
     if (options.most_evaluations == 0) options.most_evaluations = usual.most_evaluations;
     const StaticResult rest = of(sim).solve_static(options);
-    sim->message = rest.message();
-    if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
-    if (place)
-      place->fill({.size = 0,
-                   .converged = rest.converged(),
-                   .folded = rest.folded,
-                   .steps = rest.evaluations,
-                   .collapsed = -1,
-                   .time = of(sim).time(),
-                   .residual = rest.residual});
+    report_rest(sim, rest, place, {rest.evaluations, -1, of(sim).time(), rest.residual});
   });
 }
 
@@ -251,16 +261,7 @@ phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phy
   return guarded([&] {
     const auto place = place_if_wanted(report, "a report");
     const RestResult rest = of(sim).run_to_rest(most_steps);
-    sim->message = rest.message();
-    if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
-    if (place)
-      place->fill({.size = 0,
-                   .converged = rest.converged(),
-                   .folded = rest.folded,
-                   .steps = rest.report.steps,
-                   .collapsed = rest.collapsed,
-                   .time = rest.report.time,
-                   .residual = rest.report.residual});
+    report_rest(sim, rest, place, {rest.report.steps, rest.collapsed, rest.report.time, rest.report.residual});
   });
 }
 

@@ -10,7 +10,7 @@
 
 namespace phymul {
 
-constexpr Index path_nodes = 600;
+constexpr Index path_nodes = 600;  ///< of the grid that paths bend on, at most
 
 RestBody::RestBody(const TopologyTextures& topology, std::span<const std::uint8_t> fixed)
     : topology_(topology),
