@@ -71,6 +71,45 @@ void set_corners(ContactPoints::Patch& patch, const std::array<TissueVertex, 3>&
   patch.points = std::make_shared<const std::vector<ContactPoints::Shares>>(std::move(points));
 }
 
+/// A convex part of a triangle, by its corners' shares.
+struct Part {
+  std::array<Vec3, 9> corner;
+  std::size_t count = 3;
+
+  /// Cuts off where a function that is linear in the shares, of these values at the triangle's corners, is negative.
+  void keep_positive(const Vec3& values) {
+    std::array<Vec3, 9> kept;
+    std::size_t n = 0;
+    const auto keep = [&](const Vec3& at) {
+      if (n < kept.size()) kept[n++] = at;  // more only where rounding crosses a plane that it lies in
+    };
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 &here = corner[k], &next = corner[after(k)];
+      const double a = values.dot(here), b = values.dot(next);
+      if (a >= 0.0) keep(here);
+      if ((a < 0.0) != (b < 0.0)) keep(here + a / (a - b) * (next - here));
+    }
+    corner = kept;
+    count = n;
+  }
+
+  std::size_t after(std::size_t k) const { return k + 1 < count ? k + 1 : 0; }
+
+  /// Of the triangle's area.
+  static double share_of(const Vec3& a, const Vec3& b, const Vec3& c) { return std::abs(a.dot(b.cross(c))); }
+
+  Vec3 middle() const {
+    Vec3 sum = Vec3::Zero();
+    double whole = 0.0;
+    for (std::size_t k = 2; k < count; ++k) {
+      const double share = share_of(corner[0], corner[k - 1], corner[k]);
+      whole += share;
+      sum += share / 3.0 * (corner[0] + corner[k - 1] + corner[k]);
+    }
+    return whole > 0.0 ? Vec3(sum / whole) : corner[0];
+  }
+};
+
 /// What follows from the patches.
 void finish(ContactPoints& points, std::size_t particles) {
   for (const ContactPoints::Patch& patch : points.patches) points.most_points += patch.points->size();
@@ -114,6 +153,41 @@ ContactPoints make_contact_points(const ContactSurface& surface, double least_ra
   }
   finish(made, surface.body_of.size());
   return made;
+}
+
+PointsInBox::PointsInBox(const Vec3& half, const std::array<Vec3, 3>& corner, double area) {
+  // Of the way to the part's middle: where two faces are equally near, each presses its own part.
+  constexpr double inward = 0.125;
+  std::array<Vec3, 6> depth;  // of the corners, below each face
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 along(corner[0][axis], corner[1][axis], corner[2][axis]);
+    depth[2 * axis] = Vec3::Constant(half[axis]) - along;
+    depth[2 * axis + 1] = Vec3::Constant(half[axis]) + along;
+  }
+  if (std::ranges::any_of(depth, [](const Vec3& d) { return d.maxCoeff() <= 0.0; })) return;
+  for (const Vec3& own : depth) {
+    const auto hides = [&](const Vec3& other) { return &other != &own && (other - own).maxCoeff() <= 0.0; };
+    if (std::ranges::any_of(depth, hides)) continue;
+    Part part{.corner = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
+    part.keep_positive(own);
+    for (const Vec3& other : depth) {
+      if (&other != &own) part.keep_positive(other - own);
+    }
+    if (part.count < 3) continue;
+    const Vec3 middle = part.middle();
+    std::array<double, 9> share{};
+    for (std::size_t k = 0; k < part.count; ++k) {
+      const std::size_t next = part.after(k);
+      const double between = Part::share_of(part.corner[k], part.corner[next], middle);
+      share[k] += 0.5 * between;
+      share[next] += 0.5 * between;
+    }
+    for (std::size_t k = 0; k < part.count; ++k) {
+      const Vec3 at = part.corner[k] + inward * (middle - part.corner[k]);
+      const double load = area * share[k] * own.dot(at);
+      if (load > 0.0) points[count++] = {.share = {at[0], at[1], at[2]}, .load = load};
+    }
+  }
 }
 
 ContactPoints make_contact_points(const ContactSurface& surface, const Tool& tool) {

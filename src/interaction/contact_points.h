@@ -38,6 +38,23 @@ struct ContactPoints {
 /// where they are drawn apart. `least_radius` may be infinite; 0: not known, k is 6.
 ContactPoints make_contact_points(const ContactSurface& surface, double least_radius);
 
+/// A triangle's points in a box for one step. The parts of the triangle whose nearest surface is one face are convex,
+/// and the depth is linear in each: so what keeps its corners out keeps it out. Each part has a point near each of its
+/// corners, with its share of the area. Points and loads change continuously with the places, and those of a triangle
+/// that lies wholly before one face are near its own corners.
+struct PointsInBox {
+  struct Point {
+    ContactPoints::Shares share{};
+    double load = 0.0;  // m^3: its area times its depth
+  };
+  static constexpr std::size_t most = 54;  // six faces; each of six planes adds a corner at the most to three
+  std::array<Point, most> points;
+  std::size_t count = 0;
+
+  /// `half`, m: of the box's sides; `corner`, m: in its frame; `area`, m^2: of the triangle.
+  PointsInBox(const Vec3& half, const std::array<Vec3, 3>& corner, double area);
+};
+
 /// As the tool's radius and margin ask for.
 ContactPoints make_contact_points(const ContactSurface& surface, const Tool& tool);
 

@@ -40,7 +40,7 @@ SurfacePress::SurfacePress(const ContactSurface& surface, const Model& model, co
   corners_.reserve(model.rest.size());
   loaded_.reserve(model.rest.size());
   near_.reserve(points_.patches.size());
-  pressed_.reserve(points_.most_points + model.rest.size());
+  pressed_.reserve(std::max(points_.most_points, PointsInBox::most * points_.patches.size()) + model.rest.size());
   for (const ContactPoints::Patch& patch : points_.patches) {
     for (const Index a : patch.particles()) {
       for (const Index b : patch.particles()) {
@@ -140,9 +140,13 @@ void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const C
                         double area) {
   const Vector3<double> from = unpacked(mean(share, of, &Corner::from)), to = unpacked(mean(share, of, &Corner::to));
   const double depth = depth_of(shape, from, to, to - from).depth;
-  if (!(depth > 0.0)) return;
-  pressed_.push_back({of, share, from, area * depth});
-  for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * pressed_.back().load;
+  if (depth > 0.0) keep(of, share, from, area * depth, false);
+}
+
+void SurfacePress::keep(const Corners& of, const ContactPoints::Shares& share, const Vector3<double>& from, double load,
+                        bool in_box) {
+  pressed_.push_back({of, share, from, load, in_box});
+  for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * load;
 }
 
 /// Finds the points that touch, their load on each particle, and what that makes of them.
@@ -155,9 +159,16 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
     const Corners of = corners_of(row, start, end, touched);
     if (!may_touch(shape, of, 0.0)) continue;
     const ContactPoints::Patch& patch = points_.patches[row];
-    if (!patch.of_cut_cell && is_short(shape, of) && is_before_one_face(shape, of)) {
-      const double area = patch.area * static_cast<double>(patch.points->size()) / of.count;
-      for (const std::size_t c : of.rows()) corners_[c].area += area;
+    const bool plain = of.count == 3 && !patch.of_cut_cell && is_short(shape, of);
+    const double area = patch.area * static_cast<double>(patch.points->size());
+    if (plain && is_before_one_face(shape, of)) {
+      for (const std::size_t c : of.rows()) corners_[c].area += area / 3.0;
+    } else if (plain && shape.kind == ShapeKind::box && shape.margin == 0.0) {
+      const auto at = [&](std::size_t c) -> const Vec3& { return corners_[of.row[c]].to; };
+      const PointsInBox in(packed(shape.size), {at(0), at(1), at(2)}, area);
+      for (const PointsInBox::Point& point : std::span(in.points).first(in.count)) {
+        keep(of, point.share, unpacked(mean(point.share, of, &Corner::from)), point.load, true);
+      }
     } else {
       for (const ContactPoints::Shares& share : *patch.points) find(shape, of, share, patch.area);
     }
@@ -184,17 +195,23 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
   }
 }
 
+/// How deep a point is now, with the impulses of past rounds.
+Depth<double> SurfacePress::depth_in(const ShapeIn<double>& shape, const Pressed& point) const {
+  const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
+  if (!point.in_box) return depth_of(shape, point.from, to, to - point.from);
+  const Distance<double> end = distance_from_box(to, shape.size);
+  return {-end.phi, end.normal};
+}
+
 /// Particles take nothing before hand_over(). Whether there is something for them.
 bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt) {
   if (!(point.inverse_mass > 0.0)) return false;
-  const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
-  const Vector3<double> way = to - point.from;
-  const Depth<double> in = depth_of(shape, point.from, to, way);
+  const Depth<double> in = depth_in(shape, point);
   if (!(in.depth > 0.0)) return false;
   ContactLaw<double> own_law = law;
-  own_law.friction = 0.0;             // rub()
+  own_law.friction = 0.0;             // rub(): so the point's way does not count
   own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
-  const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, way, point.inverse_mass, dt);
+  const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, {}, point.inverse_mass, dt);
   for (std::size_t c = 0; c < point.corner.rows().size(); ++c) {
     Corner& corner = corners_[point.corner.row[c]];
     corner.impulse += point.share[c] * packed(touch.impulse);
@@ -249,7 +266,7 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
   const double dt = touched.dt();
   if (!knows_near(shape, start, end, touched)) find_near(shape, start, end, touched);
   find_pressed(shape, start, end, touched);
-  for (int round = 0; round < rounds_of_surface(law.placed); ++round) {
+  for (int round = 0; round < rounds_of_surface(law.placed, shape.kind); ++round) {
     bool any = false;
     for (const Pressed& point : pressed_) any |= press(shape, law, point, dt);
     if (!any) break;

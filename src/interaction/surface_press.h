@@ -19,8 +19,8 @@
 // spare, a little in each step, without end.)
 //
 // A flat face presses a triangle that lies before it at its corners: so under a plate a particle is one point, as with
-// ToolContact::particles. Over the face's border all points of a triangle act: fewer would change as it slides, and
-// never let it rest.
+// ToolContact::particles. Over a box's edges the parts of a triangle that are nearest to each face are pressed at their
+// corners (PointsInBox). Other tools, boxes with a margin, and what moves far in a step: at all points.
 //
 // Which triangles a tool may touch is found with some room to spare and kept while body and tool use it up.
 #pragma once
@@ -44,9 +44,9 @@ constexpr bool lets_surface_out(double dt, double last_dt) {
 }
 
 /// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
-/// with speed.
-constexpr int rounds_of_surface(bool placed) {
-  return placed ? 60 : 6;
+/// with speed. At a box few points act, which leave more in a round.
+constexpr int rounds_of_surface(bool placed, ShapeKind kind) {
+  return placed ? 60 : kind == ShapeKind::box ? 10 : 6;
 }
 
 /// Whether a particle below the surface was in the tool before this step. One that was not is stopped as with
@@ -91,6 +91,7 @@ class SurfacePress {
     ContactPoints::Shares share{};         // of them
     Vector3<double> from;                  // m, in the tool's frame
     double load = 0.0;                     // m^3: its area times its depth
+    bool in_box = false;                   // of PointsInBox
     double inverse_mass = 0.0, crowd = 0;  // 1/kg: a_s; and the same without the particles' inverse masses
   };
 
@@ -105,6 +106,9 @@ class SurfacePress {
   /// Of a point of the patch: the mean of its corners' `from` or `to`.
   Vec3 mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const;
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
+  void keep(const Corners& of, const ContactPoints::Shares& share, const Vector3<double>& from, double load,
+            bool in_box);
+  Depth<double> depth_in(const ShapeIn<double>& shape, const Pressed& point) const;
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);
   bool press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
