@@ -3,7 +3,8 @@
 
 #include <phymul/error.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <map>
 #include <string>
@@ -162,15 +163,16 @@ Eigen::Vector3d across_free(const Patch& patch, int side) {
 
 /// The share of second derivatives that is left where no moment acts across free sides.
 Mat3 without_moment(const Patch& patch, const Mat3& D) {
-  Eigen::Matrix<double, 3, Eigen::Dynamic> unknown(3, 0);
+  Mat3 unknown = Mat3::Zero(), known = Mat3::Zero();
   for (int side = 0; side < 3; ++side) {
-    if (!patch.free(side) || patch.clamped[side]) continue;
-    unknown.conservativeResize(3, unknown.cols() + 1);
-    unknown.rightCols(1) = across_free(patch, side);
+    if (!patch.free(side) || patch.clamped[side]) {
+      known(side, side) = 1.0;  // any number: its column is 0
+    } else {
+      unknown.col(side) = across_free(patch, side);
+    }
   }
-  if (unknown.cols() == 0) return Mat3::Identity();
-  const Eigen::MatrixXd stiffness = unknown.transpose() * D * unknown;
-  return Mat3::Identity() - unknown * stiffness.ldlt().solve(unknown.transpose() * D);
+  const Mat3 moments = unknown.transpose() * D, stiffness = moments * unknown + known;
+  return Mat3::Identity() - unknown * stiffness.inverse() * moments;
 }
 
 /// Moduli of bending that give the moment D k where second derivatives are L k, within the bounds above. `H`: without
@@ -190,10 +192,18 @@ Mat3 matched_moduli(const Patch& patch, const HessianWeights& H, const Mat3& D) 
   }
   if (!(std::abs(L.determinant()) > 1e-3)) return D;
   const Mat3 once = D * L.inverse(), C = 0.5 * (once + once.transpose());
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Mat3> ratio(C, D);  // V^T D V = 1
+  const Eigen::SelfAdjointEigenSolver<Mat3> material(D);
+  const Mat3 root = material.operatorSqrt(), inverse_root = material.operatorInverseSqrt();
+  const Eigen::SelfAdjointEigenSolver<Mat3> ratio(inverse_root * C * inverse_root);
   const Vec3 within = ratio.eigenvalues().cwiseMax(least_matched).cwiseMin(most_matched);
-  const Mat3 DV = D * ratio.eigenvectors();
-  return DV * within.asDiagonal() * DV.transpose();
+  const Mat3 V = root * ratio.eigenvectors();
+  return V * within.asDiagonal() * V.transpose();
+}
+
+/// The positive square root, by Cayley and Hamilton.
+Mat2 root_of(const Mat2& positive) {
+  const double root = std::sqrt(positive.determinant());
+  return (positive + root * Mat2::Identity()) / std::sqrt(positive.trace() + 2.0 * root);
 }
 
 WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
@@ -205,7 +215,7 @@ WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
   // Coordinates in which the tangents at rest are orthonormal: those of the unfolded patch stretched by the root of
   // their metric.
   const Mat2 metric = (X * mean_gradient_of(patch).transpose()).transpose() * (X * mean_gradient_of(patch).transpose());
-  patch.p = Eigen::SelfAdjointEigenSolver<Mat2>(metric).operatorSqrt() * patch.p;
+  patch.p = root_of(metric) * patch.p;
   const GradientWeights g = mean_gradient_of(patch);
   const double nu = material.poisson, t = material.thickness;
   Mat3 D;
