@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "statics/rest_changes.h"
 #include "support/bodies.h"
 #include "support/failure_states.h"
 
@@ -157,6 +158,16 @@ TEST(PredictedRest, IsOfTheSceneAsItIsNow) {
     EXPECT_LT(largest_distance(sim.state().position, fresh.state().position), 1e-5 * fresh.max_displacement())
         << changes[k].first;
   }
+}
+
+/// With other tools a way has other numbers of estimates; what came before says nothing of them.
+TEST(PredictedRest, ForgetsWaysOfOtherSizes) {
+  RestChanges changes;
+  changes.add(Eigen::Vector2d(1, 2), Eigen::Vector2d(1, 0));
+  changes.add(Eigen::Vector3d(3, 4, 5), Eigen::Vector2d(0, 1));
+  Eigen::VectorXd way;
+  ASSERT_TRUE(changes.find(Eigen::Vector2d(0.5, 0.7), way));
+  EXPECT_TRUE(way.isApprox(Eigen::Vector3d(2.1, 2.8, 3.5))) << way;
 }
 
 TEST(PredictedRest, ReturnsFromAStateThatWasBrokenSince) {
