@@ -78,7 +78,7 @@ class RestSearch {
       const bool imposes = find_way_to_targets();
       const double law = options_.tolerance * scale_ + floor_, miss = miss_of_terms();
       goal_ = std::max(law, share_of_miss * miss);
-      const bool settled = !imposes && residual_.norm() <= goal_;
+      const bool settled = !imposes && std::isfinite(goal_) && residual_.norm() <= goal_;
       end.at_rest = settled && miss <= law;
       if (end.at_rest || end.stuck || evaluations() >= options_.most_evaluations) break;
       if (settled) {
