@@ -247,6 +247,14 @@ TEST_P(GlHostStep, AToolGoesOnWhereItActsElsewhere) {
     EXPECT_GE(a.tools[0].held.size(), 4u);
     EXPECT_EQ(pair.device->tool_pose("jaw"), pair.reference->tool_pose("jaw"));
   }
+  scene.add_tool("needle", {.shape = thin_needle(), .pose = {.position = {0.0251, 0.0049, 0.0206}}});
+  ASSERT_TRUE(all_step(1, pair.dt, pair.device, pair.reference));
+  for (Solver* const solver : {static_cast<Solver*>(pair.device.get()), pair.reference.get()}) {
+    solver->reset();
+    EXPECT_EQ(solver->tool_pose("jaw").position, pose.position);
+    ASSERT_TRUE(solver->step(1, pair.dt).ok());
+    EXPECT_TRUE(solver->read().tools.at(0).held.empty());
+  }
 }
 
 TEST_P(GlHostStep, SnapshotsCopiesAndLostDevicesGoOn) {

@@ -40,6 +40,12 @@ TEST_P(BladeOn, PartsASlab) {
   validate(stroke.sim.model());
 }
 
+TEST_P(BladeOn, CutsOnItsFirstWay) {
+  Stroke stroke(GetParam(), 0.0, -0.005);
+  ASSERT_TRUE(stroke.go_on(0.006).ok());
+  EXPECT_EQ(stroke.sim.cuts().size(), 1u);
+}
+
 TEST_P(BladeOn, GoesOnFromASnapshotAndIsRecorded) {
   const auto make = [] { return Stroke(GetParam(), 20.0, 0.005, 1e4, 9, 600, 0, 1e3); };
   Stroke stroke = make(), other = make();
