@@ -133,7 +133,7 @@ TEST_P(ToolFirstPose, IsAPlacedOneInRecordingsAndReplays) {
 /// a recording.
 TEST_P(ToolFirstPose, IsWhereAMovedOneComesFrom) {
   const Tool tool{.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.0285}}};
-  const ToolPose there{.position = {0.01, 0.01, 0.0275}};
+  const ToolPose there{.position = {0.01, 0.01, 0.0265}};
   Start seen(GetParam(), tool);
   ASSERT_TRUE(seen.solver->step(0, seen.dt).ok());
   Start added(GetParam(), tool, false);
