@@ -41,9 +41,12 @@ TEST_P(BladeOn, PartsASlab) {
 }
 
 TEST_P(BladeOn, CutsOnItsFirstWay) {
-  Stroke stroke(GetParam(), 0.0, -0.005);
-  ASSERT_TRUE(stroke.go_on(0.006).ok());
-  EXPECT_EQ(stroke.sim.cuts().size(), 1u);
+  Stroke at_once(GetParam(), 0.0, -0.005), seen(GetParam(), 0.0, -0.005);
+  const std::size_t whole = seen.sim.model().cells.size();
+  ASSERT_TRUE(seen.sim.advance(0.0).ok());
+  for (Stroke* const stroke : {&at_once, &seen}) ASSERT_TRUE(stroke->go_on(0.03).ok());
+  EXPECT_GT(seen.sim.model().cells.size(), whole);
+  EXPECT_EQ(at_once.sim.model().cells, seen.sim.model().cells);
 }
 
 TEST_P(BladeOn, GoesOnFromASnapshotAndIsRecorded) {
