@@ -52,8 +52,7 @@ class RestSearch {
         load_(3 * topology_.particle_count),
         force_(position.size()),
         trial_(position.size()) {
-    grid_.begin(terms);
-    if (!predicts_) body.turned_at_.clear();
+    if (grid_.begin(terms) || !predicts_) body.turned_at_.clear();
     for (std::size_t i = 0; i < position.size(); ++i) {
       load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology_.mass, loads, i);
     }

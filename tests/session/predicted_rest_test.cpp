@@ -160,6 +160,24 @@ TEST(PredictedRest, IsOfTheSceneAsItIsNow) {
   }
 }
 
+/// Where a plate has left the body, its stiffness must leave the preconditioner: with it a search takes 3.2 times the
+/// evaluations of one that does not predict, without it 1.07 times.
+TEST(PredictedRest, AToolThatLeftIsNotInTheWay) {
+  int evaluations[] = {0, 0};
+  for (int predict = 0; predict < 2; ++predict) {
+    Simulation sim(make_block({0.08, 0.08, 0.05}, 9, 9, 6), soft_tissue(0.45));
+    const auto at = [](double z) { return ToolPose{.position = {0, 0, z}, .orientation = {0, 1, 0, 0}}; };
+    sim.scene().fix("z0").gravity({0.1, 0, -0.2}).add_tool("plate", {.shape = HalfSpace{}, .pose = at(0.0499)});
+    for (const double z : {0.0499, 0.04989, 0.0505}) {
+      sim.scene().tool("plate").move_to(at(z));
+      const StaticResult result = sim.solve_static({.predict = predict == 1});
+      ASSERT_TRUE(result.converged()) << result.message();
+      evaluations[predict] = result.evaluations;
+    }
+  }
+  EXPECT_LE(evaluations[1], 1.5 * evaluations[0]);
+}
+
 /// With other tools a way has other numbers of estimates; what came before says nothing of them.
 TEST(PredictedRest, ForgetsWaysOfOtherSizes) {
   RestChanges changes;
