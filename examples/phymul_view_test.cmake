@@ -80,5 +80,18 @@ if(SURFACE)
   expect_same(whole reset TRUE)
   view(not_cut 0 "only a body of tetrahedra with a material can be cut" block --frames 2 --keys "x")
 endif()
+# A body of walls: nothing for a scalpel.
+set(wall "<physicalModel><atoms><structuralComponent>")
+foreach(atom IN ITEMS "0' x='0' y='0" "1' x='50' y='0" "2' x='50' y='40" "3' x='0' y='40")
+  string(APPEND wall "<atom><atomProperties index='${atom}' z='0' mass='0.001'/></atom>")
+endforeach()
+string(APPEND wall "</structuralComponent></atoms><exclusiveComponents><multiComponent><structuralComponent>")
+foreach(third IN ITEMS 1 3)
+  string(APPEND wall
+         "<cell><cellProperties type='TRIANGLE' young='5e4' poisson='0.4' density='1000' thickness='0.002'/>"
+         "<atomRef index='0'/><atomRef index='2'/><atomRef index='${third}'/></cell>")
+endforeach()
+file(WRITE ${OUT}/wall.pml "${wall}</structuralComponent></multiComponent></exclusiveComponents></physicalModel>")
+view(wall 0 "only a body of tetrahedra with a material can be cut" ${OUT}/wall.pml --from-file --frames 2 --keys "x")
 view(none 1 "no_such_body.*expected a file" no_such_body --frames 1)
 view(none 1 "no_such_backend" tetrahedron --backend no_such_backend --frames 1)

@@ -153,8 +153,7 @@ void add_body_options(CLI::App& app, RunOptions& options) {
            options.tearing = {it[0], it[1]};
          },
          "cuts go on where they are drawn: work per area, J/m^2, and the radius over which stress is averaged, m; 0: "
-         "two "
-         "spacings")
+         "two spacings")
       ->option_text("TOUGHNESS RADIUS")
       ->expected(2)
       ->check(not_negative())

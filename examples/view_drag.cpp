@@ -3,8 +3,6 @@
 
 #include <phymul/surface.h>
 
-#include <cmath>
-
 namespace {
 
 constexpr double reach_in_pixels = 14.0;
@@ -26,11 +24,8 @@ phymul::PickRay ray_under(const phymul::Camera& camera, double x, double y, int 
 bool ParticleDrag::take(const phymul::Camera& camera, double x, double y, int width, int height) {
   release();
   const phymul::Model& model = sim_.model();
-  phymul::State state = sim_.solver().read();
-  for (std::size_t i = 0; i < model.mass.size(); ++i) {
-    if (model.mass[i] == 0.0) state.position[i].setConstant(NAN);  // a spare one for cuts: nothing is there
-  }
-  const phymul::Index picked = pick_particle(state.position, ray_under(camera, x, y, width, height));
+  const phymul::State state = sim_.solver().read();
+  const phymul::Index picked = pick_particle(model, state.position, ray_under(camera, x, y, width, height));
   if (picked < 0) return false;
   particle_ = picked;
   const phymul::Vec3& place = state.position[static_cast<std::size_t>(picked)];

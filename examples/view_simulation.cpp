@@ -15,10 +15,12 @@ constexpr double longest_frame = 1.0 / 40.0;  // s; a slower one takes fewer ste
 constexpr double frame = 1.0 / 60.0;          // s
 
 bool is_cuttable(const phymul::Model& model) {
-  return !model.cells.empty() && !model.materials.empty() &&
-         std::ranges::all_of(model.cells, [](const phymul::Cell& cell) {
-           return !phymul::is_volume(cell.type) || cell.type == phymul::CellType::tetrahedron;
-         });
+  const auto is_tetrahedron = [](phymul::CellType type) { return type == phymul::CellType::tetrahedron; };
+  const auto is_other_volume = [](phymul::CellType type) {
+    return phymul::is_volume(type) && type != phymul::CellType::tetrahedron;
+  };
+  return !model.materials.empty() && std::ranges::any_of(model.cells, is_tetrahedron, &phymul::Cell::type) &&
+         std::ranges::none_of(model.cells, is_other_volume, &phymul::Cell::type);
 }
 
 }  // namespace

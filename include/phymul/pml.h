@@ -48,9 +48,9 @@ std::vector<std::string> add_body_types(Scene& scene);
 
 /// Writes the model so that read_pml with the same options gives an equal one, unknown attributes included. Coordinates
 /// come back bit by bit where length_unit is a power of ten, else within two units in the last place. Not written:
-/// fibres, stiffening, dissipation, and the material of a body of points, since materials are in cells. A cell that two
-/// components define is written in the first and referred to in the second. Throws Error when the file cannot be
-/// written; an existing file is replaced only by a complete one.
+/// fibres, stiffening, dissipation, spare particles, and the material of a body of points, since materials are in
+/// cells. A cell that two components define is written in the first and referred to in the second. Throws Error when
+/// the file cannot be written; an existing file is replaced only by a complete one.
 void write_pml(const Model& model, const std::string& path, const PmlOptions& options = {});
 void write_pml(const Model& model, std::ostream& out, const PmlOptions& options = {});
 

@@ -100,9 +100,9 @@ class Solver {
   /// Also throws Error if the backend does not support the scene, and during step().
   ///
   /// After reset(), restore(), start() and StateHistory::rewind() each tool holds the particles listed in the state,
-  /// until the next ToolHandle::grasp() or release(). Earlier calls of grasp() and release() have no effect. A grasp()
-  /// made before the solver existed takes effect in the solver's first step, unless one of the four functions is called
-  /// before this step.
+  /// until the next ToolHandle::grasp() or release(). Earlier calls of grasp() and release() have no effect. A
+  /// move_to() or grasp() made before the solver existed takes effect in the solver's first step, unless one of the
+  /// four functions is called before this step.
   virtual void reset(const State& state) = 0;
   void reset();  ///< to the rest shape; no tool holds anything
 

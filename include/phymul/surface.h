@@ -49,7 +49,8 @@ struct PickRay {
 };
 
 /// Of the particles in front of the origin and within reach of the ray the one nearest to the origin along it; -1:
-/// there is none. Places that are not finite are passed over. Throws Error for a direction that is none.
-Index pick_particle(std::span<const Vec3> position, const PickRay& ray);
+/// there is none. Places, [N] m, that are not finite and particles without mass (spare ones, and where all cells are
+/// removed) are passed over. Throws Error for a direction that is none and for another number of places.
+Index pick_particle(const Model& model, std::span<const Vec3> position, const PickRay& ray);
 
 }  // namespace phymul

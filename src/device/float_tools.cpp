@@ -172,7 +172,7 @@ const ToolReport& FloatTools::report(const SceneTool& wanted) const {
   const auto known = std::ranges::find(tools_, wanted.id, [](const Moving& moving) { return moving.moved.id; });
   if (known != tools_.end()) return known->moved.report;
   unseen_ = {};
-  unseen_.pose = unseen_.last_pose = wanted.pose;
+  unseen_.pose = unseen_.last_pose = first_pose(wanted);
   return unseen_;
 }
 

@@ -43,6 +43,7 @@ class FloatTools {
   bool any_grid() const { return !grid_values_.empty(); }
 
   void reset(const Scene& scene, const State& state);
+  bool was_reset() const { return was_reset_; }
   void read(State& state) const;
   // Of a row of Scene::tools().
   const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }

@@ -41,9 +41,18 @@ void ToolMotion::accept() {
   if (done < steps && ++done == steps) steps = done = 0;
 }
 
-MovedTool::MovedTool(const SceneTool& tool)
-    : id(tool.id), name(tool.name), seen_moves_(tool.moves), seen_places_(tool.places) {
-  place(tool.pose);
+const ToolPose& first_pose(const SceneTool& tool) {
+  return tool.places == 0 ? tool.tool.pose : tool.pose;
+}
+
+MovedTool::MovedTool(const SceneTool& tool) : id(tool.id), name(tool.name) {
+  place_first(tool);
+}
+
+void MovedTool::place_first(const SceneTool& tool) {
+  place(first_pose(tool));
+  seen_moves_ = tool.places == 0 ? 0 : tool.moves;
+  seen_places_ = tool.places;
 }
 
 void MovedTool::place(const ToolPose& pose) {
@@ -55,15 +64,18 @@ const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, s
                                   bool first) {
   const auto row = std::ranges::find(state.tools, name, &ToolState::name);
   const ToolState* const known = row != state.tools.end() ? &*row : nullptr;
-  place(known ? known->pose : wanted.pose);
+  if (first && !known) {  // what it was told before the solver was there, it does in the first step
+    place_first(wanted);
+  } else {
+    place(known ? known->pose : wanted.pose);
+    seen_moves_ = wanted.moves;
+    seen_places_ = wanted.places;
+  }
   held = known ? known->held : std::vector<Index>{};
   held_at = known ? known->held_at : VecList{};
   motion.placed = known == nullptr || known->placed;
   report.held = static_cast<int>(held.size());
   grasps = releases = false;
-  seen_moves_ = wanted.moves;
-  seen_places_ = wanted.places;
-  // A tool that was told to hold before the solver was there holds from the first step on.
   report.grasps = wanted.grasping && first && !known ? wanted.grasps - 1 : wanted.grasps;
   report.force = {};
   weigh_held(mass);

@@ -26,12 +26,15 @@ struct ToolMotion {
   void accept();            ///< the step counts; without it the next advance() does it over
 };
 
+/// Where a tool is that no solver has moved yet: where it was added, or put since by ToolHandle::teleport().
+const ToolPose& first_pose(const SceneTool& tool);
+
 struct MovedTool {
   explicit MovedTool(const SceneTool& tool);
 
   /// To what a state says of it, which is returned; null where it says nothing: to where the scene has it, holding
-  /// nothing. Grasps asked for count as done, but by a solver that is being made: `first`. `mass`: of all particles,
-  /// kg.
+  /// nothing. Moves and grasps asked for count as done, but by a solver that is being made: `first`. `mass`: of all
+  /// particles, kg.
   const ToolState* reset(const SceneTool& wanted, const State& state, std::span<const double> mass, bool first);
   void read(ToolState& to) const;  ///< all but needles
   /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the
@@ -57,6 +60,7 @@ struct MovedTool {
 
  private:
   void place(const ToolPose& pose);
+  void place_first(const SceneTool& tool);
 
   std::uint64_t seen_moves_ = 0, seen_places_ = 0;
   Vec3 sum_force_{0, 0, 0}, sum_torque_{0, 0, 0};  // over the steps of this call

@@ -115,7 +115,7 @@ const MovedTool* ToolSet::find(std::uint64_t id) const {
 const ToolReport& ToolSet::report(const SceneTool& wanted) const {
   if (const MovedTool* const known = find(wanted.id)) return known->report;
   unseen_ = {};
-  unseen_.pose = unseen_.last_pose = wanted.pose;
+  unseen_.pose = unseen_.last_pose = first_pose(wanted);
   return unseen_;
 }
 

@@ -51,7 +51,9 @@ class ToolSet {
   const MovedTool* find(std::uint64_t id) const;  ///< null where follow() has not seen it
   // Of a row of Scene::tools().
   const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
+  // Goes on with tools that were moved elsewhere, by a solver that was reset there, or not yet.
   void set_moved(std::size_t row, const MovedTool& moved) { tools_[row].moved = moved; }
+  void set_was_reset(bool was_reset) { was_reset_ = was_reset; }
   void accept();  ///< the step counts; without it the next act() does it over
 
   /// Of a tool of the scene as it is now; where follow() has not seen it yet, no force and the scene's pose. Good until

@@ -131,7 +131,11 @@ void surface_normals(std::span<const std::array<Index, 3>> triangles, std::span<
   for (Vec3& n : normal) n.stableNormalize();
 }
 
-Index pick_particle(std::span<const Vec3> position, const PickRay& ray) {
+Index pick_particle(const Model& model, std::span<const Vec3> position, const PickRay& ray) {
+  if (position.size() != model.mass.size()) {
+    throw Error("pick_particle: expected " + std::to_string(model.mass.size()) + " positions, got " +
+                std::to_string(position.size()));
+  }
   const double length = ray.direction.stableNorm();
   if (!(length > 0.0) || !std::isfinite(length)) {
     throw Error("pick_particle: expected a ray with a finite direction that is not zero");
@@ -140,6 +144,7 @@ Index pick_particle(std::span<const Vec3> position, const PickRay& ray) {
   Index nearest = -1;
   double least = 0.0;
   for (std::size_t i = 0; i < position.size(); ++i) {
+    if (model.mass[i] == 0.0) continue;
     const Vec3 to = position[i] - ray.origin;
     const double way = to.dot(along);
     if (!(way >= 0.0) || (nearest >= 0 && way >= least)) continue;

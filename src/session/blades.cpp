@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "interaction/moved_tool.h"
 #include "interaction/tool_frame.h"
 #include "interaction/tool_shape.h"
 #include "model/cell_geometry.h"
@@ -207,7 +208,8 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     if (own == now.tools.end()) continue;
     const SeenBlade seen{solver().tool_pose(tool.name), tool.places};
     const ToolPose& pose = seen.pose;
-    const SeenBlade last = std::exchange(blades_seen.try_emplace(tool.id, seen).first->second, seen);
+    const auto known = blades_seen.try_emplace(tool.id, SeenBlade{first_pose(tool), tool.places});
+    const SeenBlade last = std::exchange(known.first->second, seen);
     // One that was teleported has passed nothing before.
     const EdgeNow edge(*blade, pose, last.places == seen.places ? last.pose : tool.pose, model, body_edit(),
                        now.position, own->blade);

@@ -77,8 +77,9 @@ void Recorder::keep_scene() {
   std::map<std::uint64_t, SeenTool> now;
   for (const SceneTool& tool : scene_.tools()) {
     const auto known = seen_tools_.find(tool.id);
-    now[tool.id] =
-        known != seen_tools_.end() ? known->second : SeenTool{tool.moves, tool.places, starting ? tool.grasps : 0};
+    now[tool.id] = known != seen_tools_.end() ? known->second
+                   : starting                 ? SeenTool{tool.moves, tool.places, tool.grasps}
+                                              : SeenTool{};
   }
   seen_tools_ = std::move(now);
 }

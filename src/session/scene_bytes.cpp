@@ -281,7 +281,7 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
     out.u8(known ? 0 : 1);
     if (known) continue;
     Tool there = tool.tool;
-    there.pose = tool.pose;
+    if (anew) there.pose = tool.pose;
     tool_fields(out, there);
   }
   put_new_joints(out, scene, from);

@@ -14,6 +14,7 @@
 #include "base/decimal.h"
 #include "base/place_text.h"
 #include "interaction/closest_point.h"
+#include "interaction/moved_tool.h"
 #include "interaction/tool_shape.h"
 #include "model/tissue_surface.h"
 #include "scene/loose_parts.h"
@@ -101,10 +102,11 @@ bool encloses(const Model& model, std::span<const std::array<Index, 3>> triangle
 /// m: of the points on a tool's axis the largest distance from the surface at rest among those that it encloses; 0:
 /// none.
 double depth_inside(const Model& model, std::span<const std::array<Index, 3>> triangles, const SceneTool& tool) {
-  std::vector<Vec3> axis{tool.pose.position};
+  const ToolPose& pose = first_pose(tool);
+  std::vector<Vec3> axis{pose.position};
   if (const auto* capsule = std::get_if<Capsule>(&tool.tool.shape)) {
-    const Vec3 along = tool.pose.orientation.normalized() * Vec3(0, 0, capsule->length);
-    axis.insert(axis.end(), {tool.pose.position + 0.5 * along, tool.pose.position + along});
+    const Vec3 along = pose.orientation.normalized() * Vec3(0, 0, capsule->length);
+    axis.insert(axis.end(), {pose.position + 0.5 * along, pose.position + along});
   }
   double deepest = 0.0;
   for (const Vec3& place : axis) {

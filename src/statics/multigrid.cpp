@@ -127,9 +127,10 @@ Multigrid::Multigrid(const TopologyTextures& topology, std::span<const std::uint
   typical_stiffness_ = sum / static_cast<double>(diagonal_.size());
 }
 
-void Multigrid::begin(RestTerms terms) {
+bool Multigrid::begin(RestTerms terms) {
   terms_ = terms;
   evaluations_ = 0;
+  const bool has_terms = std::ranges::any_of(of_terms_, [](const Mat3& block) { return !block.isZero(0.0); });
   if (!of_terms_.empty()) {
     for (Coarse& coarse : coarse_) coarse.level.remove_terms();
     of_terms_.clear();
@@ -141,6 +142,7 @@ void Multigrid::begin(RestTerms terms) {
       strongest_[i][axis] = padded_free_[i][axis] * static_cast<float>(static_cast<double>(bits) / 4294967296.0 - 0.5);
     }
   }
+  return has_terms;
 }
 
 bool Multigrid::follow_terms() {

@@ -27,8 +27,8 @@ class Multigrid {
             Tangent& tangent);
 
   /// To be called first, before each search: forgets the last one, so that the same search has the same bits. Keeps a
-  /// reference to the terms.
-  void begin(RestTerms terms);
+  /// reference to the terms. True if the last turn() was with stiffnesses of terms, now gone: it is to be done anew.
+  bool begin(RestTerms terms);
 
   /// Takes the terms' stiffness as it is now, if it has changed by much since it last did; returns whether. Then
   /// turn() and estimate_largest() are to be called.

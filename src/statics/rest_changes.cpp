@@ -14,6 +14,7 @@ constexpr double least_of_lack = 0.5;    ///< of what newer ones leave of it, th
 }  // namespace
 
 void RestChanges::add(const Eigen::VectorXd& way, const Eigen::VectorXd& force) {
+  if (!changes_.empty() && changes_.front().way.size() != way.size()) changes_.clear();
   changes_.insert(changes_.begin(), {way, force});
   if (changes_.size() > most_changes) changes_.pop_back();
 }

@@ -12,7 +12,8 @@ namespace phymul {
 
 class RestChanges {
  public:
-  /// A search changed what it sought by `way` and ended the force `force`, N.
+  /// A search changed what it sought by `way` and ended the force `force`, N. Forgets changes of ways of another
+  /// size, as with other tools.
   void add(const Eigen::VectorXd& way, const Eigen::VectorXd& force);
   void clear() { changes_.clear(); }
   /// To `way` what would end the most of `lacks`, N; false if nothing would.

@@ -52,8 +52,7 @@ class RestSearch {
         load_(3 * topology_.particle_count),
         force_(position.size()),
         trial_(position.size()) {
-    grid_.begin(terms);
-    if (!predicts_) body.turned_at_.clear();
+    if (grid_.begin(terms) || !predicts_) body.turned_at_.clear();
     for (std::size_t i = 0; i < position.size(); ++i) {
       load_.segment<3>(3 * static_cast<Eigen::Index>(i)) = load_on(topology_.mass, loads, i);
     }
@@ -78,7 +77,7 @@ class RestSearch {
       const bool imposes = find_way_to_targets();
       const double law = options_.tolerance * scale_ + floor_, miss = miss_of_terms();
       goal_ = std::max(law, share_of_miss * miss);
-      const bool settled = !imposes && residual_.norm() <= goal_;
+      const bool settled = !imposes && std::isfinite(goal_) && residual_.norm() <= goal_;
       end.at_rest = settled && miss <= law;
       if (end.at_rest || end.stuck || evaluations() >= options_.most_evaluations) break;
       if (settled) {

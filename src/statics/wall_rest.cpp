@@ -48,7 +48,7 @@ class WallSearch {
     while (true) {
       const Eigen::VectorXd way = way_to_targets();
       const bool imposes = (way.array() != 0.0).any();
-      end.at_rest = !imposes && residual_.norm() <= tolerance * scale_ + floor_;
+      end.at_rest = !imposes && std::isfinite(scale_) && residual_.norm() <= tolerance * scale_ + floor_;
       if (end.at_rest || end.stuck || evaluations_ >= most_evaluations) break;
       if (imposes) {
         impose(way);

@@ -247,6 +247,14 @@ TEST_P(GlHostStep, AToolGoesOnWhereItActsElsewhere) {
     EXPECT_GE(a.tools[0].held.size(), 4u);
     EXPECT_EQ(pair.device->tool_pose("jaw"), pair.reference->tool_pose("jaw"));
   }
+  scene.add_tool("needle", {.shape = thin_needle(), .pose = {.position = {0.0251, 0.0049, 0.0206}}});
+  ASSERT_TRUE(all_step(1, pair.dt, pair.device, pair.reference));
+  for (Solver* const solver : {static_cast<Solver*>(pair.device.get()), pair.reference.get()}) {
+    solver->reset();
+    EXPECT_EQ(solver->tool_pose("jaw").position, pose.position);
+    ASSERT_TRUE(solver->step(1, pair.dt).ok());
+    EXPECT_TRUE(solver->read().tools.at(0).held.empty());
+  }
 }
 
 TEST_P(GlHostStep, SnapshotsCopiesAndLostDevicesGoOn) {
@@ -285,6 +293,7 @@ TEST_P(GlHostStep, RestsWhereTheReferenceDoesAndKeepsTheStateBeforeAFailure) {
   EXPECT_GT(exact.norm(), 1e-3);
   EXPECT_LE((own - exact).norm(), 1e-3 * exact.norm());
 
+  scene.tool("ball").teleport(above_block(-8e-4));  // where reset() has it
   options_.on_unstable = UnstableStep::allow;
   options_.damping.rate = 0.0;
   const auto failing = make(scene);

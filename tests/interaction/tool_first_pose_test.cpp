@@ -129,6 +129,37 @@ TEST_P(ToolFirstPose, IsAPlacedOneInRecordingsAndReplays) {
   }
 }
 
+/// One that is moved before any step comes from there, also if it was added and moved before there was a solver, and in
+/// a recording.
+TEST_P(ToolFirstPose, IsWhereAMovedOneComesFrom) {
+  const Tool tool{.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.0285}}};
+  const ToolPose there{.position = {0.01, 0.01, 0.0265}};
+  Start seen(GetParam(), tool);
+  ASSERT_TRUE(seen.solver->step(0, seen.dt).ok());
+  Start added(GetParam(), tool, false);
+  ASSERT_TRUE(added.solver->step(0, added.dt).ok());
+  Recorder recorder(*added.solver, added.scene);
+  added.scene.add_tool("it", tool);
+  Scene early(seen.model);
+  early.add_tool("it", tool).move_to(there);
+  const auto late = make(seen.model, early);
+  for (Scene* const scene : {&seen.scene, &added.scene}) scene->tool("it").move_to(there);
+  for (Solver* const solver : {seen.solver.get(), added.solver.get(), late.get()}) {
+    EXPECT_EQ(solver->tool_pose("it"), tool.pose);
+  }
+  ASSERT_TRUE(seen.solver->step(4, seen.dt).ok() && recorder.step(4, added.dt).ok() && late->step(4, seen.dt).ok());
+  const State state = seen.solver->read();
+  EXPECT_GT(largest_distance(state.position, seen.model.rest), 1e-4);
+  EXPECT_EQ(state.tools[0].pose.position, there.position);
+  EXPECT_EQ(added.solver->read(), state);
+  EXPECT_EQ(late->read(), state);
+
+  Scene again(added.model);
+  const auto replayed = make(added.model, again);
+  Replay(recorder.recording(), *replayed, again).run();
+  EXPECT_EQ(replayed->read(), state);
+}
+
 /// One that was stepped is not a placed one: what it covers then came there by its own motion, and is pushed.
 TEST_P(ToolFirstPose, IsForgottenWithTheFirstStep) {
   Start start(GetParam(), {.shape = Sphere{0.008}, .pose = {.position = {0.01, 0.01, 0.5}}});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <phymul/body.h>
 #include <phymul/pml.h>
 #include <phymul/shapes.h>
 
@@ -45,6 +46,12 @@ TEST(PmlRoundTrip, Materials) {
   Model sample = read_pml(sample_data + "/cylinder_275.pml");
   set_material(sample, {1e4 / 3, 0.49, 1049.7});
   EXPECT_EQ(reread(sample), sample);
+}
+
+TEST(PmlRoundTrip, SpareParticlesAreLeftOut) {
+  Model block = make_tetrahedral_block({0.03, 0.03, 0.03}, 3, 3, 3, 0.2, 7);
+  set_material(block, {3e3, 0.45, 1100});
+  EXPECT_EQ(reread(with_spare_particles(block, 5)), block);
 }
 
 TEST(PmlRoundTrip, UnknownAttributesNamesAndColours) {

@@ -97,20 +97,23 @@ TEST(Surface, NormalsFollowTheBody) {
 }
 
 TEST(Surface, PicksTheFrontmostParticleNearTheRay) {
-  const VecList x = {{0, 0, 3}, {0.01, 0, 2}, {0.3, 0, 1}, {0, 0, -1}, {0, 0, std::nan("")}};
+  const VecList x = {{0, 0, 3}, {0.01, 0, 2}, {0.3, 0, 1}, {0, 0, -1}, {0, 0, std::nan("")}, {0, 0, 0.5}};
+  Model model;
+  model.mass = {1, 1, 1, 1, 1, 0};  // kg: nothing is at the last one, as at a spare particle
   PickRay ray{.origin = {0, 0, 0}, .direction = {0, 0, 7}};
-  EXPECT_EQ(pick_particle(x, ray), 0);
+  EXPECT_EQ(pick_particle(model, x, ray), 0);
   ray.reach = 0.02;
-  EXPECT_EQ(pick_particle(x, ray), 1);
+  EXPECT_EQ(pick_particle(model, x, ray), 1);
   ray.widening = 0.29;
-  EXPECT_EQ(pick_particle(x, ray), 2);
+  EXPECT_EQ(pick_particle(model, x, ray), 2);
   ray.direction = {0, 0, -1};
-  EXPECT_EQ(pick_particle(x, ray), 3);
+  EXPECT_EQ(pick_particle(model, x, ray), 3);
   ray.direction = {0, 1, 0};
   ray.widening = 0.0;
-  EXPECT_EQ(pick_particle(x, ray), -1);
+  EXPECT_EQ(pick_particle(model, x, ray), -1);
   ray.direction = Vec3::Zero();
-  EXPECT_TRUE(refuses([&] { pick_particle(x, ray); }, "direction that is not zero"));
+  EXPECT_TRUE(refuses([&] { pick_particle(model, x, ray); }, "direction that is not zero"));
+  EXPECT_TRUE(refuses([&] { pick_particle(model, model.rest, ray); }, "expected 6 positions, got 0"));
 }
 
 }  // namespace

@@ -40,6 +40,15 @@ TEST_P(BladeOn, PartsASlab) {
   validate(stroke.sim.model());
 }
 
+TEST_P(BladeOn, CutsOnItsFirstWay) {
+  Stroke at_once(GetParam(), 0.0, -0.005), seen(GetParam(), 0.0, -0.005);
+  const std::size_t whole = seen.sim.model().cells.size();
+  ASSERT_TRUE(seen.sim.advance(0.0).ok());
+  for (Stroke* const stroke : {&at_once, &seen}) ASSERT_TRUE(stroke->go_on(0.03).ok());
+  EXPECT_GT(seen.sim.model().cells.size(), whole);
+  EXPECT_EQ(at_once.sim.model().cells, seen.sim.model().cells);
+}
+
 TEST_P(BladeOn, GoesOnFromASnapshotAndIsRecorded) {
   const auto make = [] { return Stroke(GetParam(), 20.0, 0.005, 1e4, 9, 600, 0, 1e3); };
   Stroke stroke = make(), other = make();

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "statics/rest_changes.h"
 #include "support/bodies.h"
 #include "support/failure_states.h"
 
@@ -157,6 +158,34 @@ TEST(PredictedRest, IsOfTheSceneAsItIsNow) {
     EXPECT_LT(largest_distance(sim.state().position, fresh.state().position), 1e-5 * fresh.max_displacement())
         << changes[k].first;
   }
+}
+
+/// Where a plate has left the body, its stiffness must leave the preconditioner: with it a search takes 3.2 times the
+/// evaluations of one that does not predict, without it 1.07 times.
+TEST(PredictedRest, AToolThatLeftIsNotInTheWay) {
+  int evaluations[] = {0, 0};
+  for (int predict = 0; predict < 2; ++predict) {
+    Simulation sim(make_block({0.08, 0.08, 0.05}, 9, 9, 6), soft_tissue(0.45));
+    const auto at = [](double z) { return ToolPose{.position = {0, 0, z}, .orientation = {0, 1, 0, 0}}; };
+    sim.scene().fix("z0").gravity({0.1, 0, -0.2}).add_tool("plate", {.shape = HalfSpace{}, .pose = at(0.0499)});
+    for (const double z : {0.0499, 0.04989, 0.0505}) {
+      sim.scene().tool("plate").move_to(at(z));
+      const StaticResult result = sim.solve_static({.predict = predict == 1});
+      ASSERT_TRUE(result.converged()) << result.message();
+      evaluations[predict] = result.evaluations;
+    }
+  }
+  EXPECT_LE(evaluations[1], 1.5 * evaluations[0]);
+}
+
+/// With other tools a way has other numbers of estimates; what came before says nothing of them.
+TEST(PredictedRest, ForgetsWaysOfOtherSizes) {
+  RestChanges changes;
+  changes.add(Eigen::Vector2d(1, 2), Eigen::Vector2d(1, 0));
+  changes.add(Eigen::Vector3d(3, 4, 5), Eigen::Vector2d(0, 1));
+  Eigen::VectorXd way;
+  ASSERT_TRUE(changes.find(Eigen::Vector2d(0.5, 0.7), way));
+  EXPECT_TRUE(way.isApprox(Eigen::Vector3d(2.1, 2.8, 3.5))) << way;
 }
 
 TEST(PredictedRest, ReturnsFromAStateThatWasBrokenSince) {

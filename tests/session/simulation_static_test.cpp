@@ -202,6 +202,8 @@ TEST(SimulationStatic, KeepsTheStateIfItDoesNotConverge) {
   EXPECT_TRUE(sim.solver().read() == before);
   EXPECT_TRUE(sim.solve_static().converged());
   EXPECT_EQ(sim.time(), before.time);
+  sim.scene().gravity({0, 0, -1e200});  // m/s^2: its square is not finite
+  EXPECT_FALSE(sim.solve_static({.most_evaluations = 100}).converged());
 }
 
 TEST(SimulationStatic, ReturnsFromEveryBrokenState) {

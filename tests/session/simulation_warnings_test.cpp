@@ -102,7 +102,7 @@ TEST(SimulationWarnings, ToolsInOtherUnitsAndInsideTheBody) {
     tool.pose.position = place;
     return warnings(block(), soft, [&](Scene& scene) {
       hold_and_pull(scene);
-      scene.add_tool("ball", tool);
+      scene.add_tool("ball", tool).move_to({.position = {0.02, 0.01, 0.015}});  // where it goes, not where it begins
     });
   };
   const Tool ball{.shape = Sphere{0.008}, .contact = ToolContact::surface};

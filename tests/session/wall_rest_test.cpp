@@ -82,6 +82,12 @@ TEST(WallRest, SheetFollowsWhatIsImposed) {
       0.05);
 }
 
+TEST(WallRest, ALoadWhoseSquareIsNotFiniteHasNoRest) {
+  Simulation sim(sheet());
+  sim.scene().fix(sim.model().particles_in([](const Vec3& X) { return X.x() < 1e-6; })).gravity({0, 0, -1e200});
+  EXPECT_FALSE(sim.solve_static({.most_evaluations = 20}).converged());
+}
+
 TEST(WallRest, RefusesWhatItCannotDo) {
   const Model model = sheet();
   Simulation loose(model);

@@ -69,6 +69,7 @@ void DeviceSolver::follow_on_host() {
   for (std::size_t row = 0; moves_here && row < host_->tools.count(); ++row) {
     host_->tools.set_moved(row, tools_.moved(row));
   }
+  if (moves_here) host_->tools.set_was_reset(tools_.was_reset());
   host_->touching.follow(scene(), host_->tools.surface());
   host_->touched.prepare(topology().mass, frame().fixed, topology().dimension == 2);
 }

@@ -9,6 +9,7 @@
 #include "base/replace_file.h"
 #include "io/xml/xml_writer.h"
 #include "model/body_type.h"
+#include "model/cell_cutter.h"
 #include "model/file_extras.h"
 #include "pml_layout.h"
 #include "pml_marks.h"
@@ -20,7 +21,10 @@ namespace {
 class PmlWriter {
  public:
   PmlWriter(const Model& model, std::ostream& out, const PmlOptions& options)
-      : model_(model), xml_(out), length_(options.length_unit), layout_(model) {}
+      : model_(model), xml_(out), length_(options.length_unit), layout_(model) {
+    const std::vector<Index> spare = spare_particles_of(model);
+    for (auto last = spare.rbegin(); last != spare.rend() && *last + 1 == particles_; ++last) --particles_;
+  }
 
   void write();
 
@@ -43,6 +47,7 @@ class PmlWriter {
   const FileExtras& extras_ = extras_of(model_);
   XmlWriter xml_;
   DecimalUnit length_;
+  Index particles_ = model_.particle_count();  // without spare ones at the end, which have no mass
 
   PmlLayout layout_;
 };
@@ -76,10 +81,11 @@ void PmlWriter::write() {
 void PmlWriter::write_counts() {
   std::size_t structural[2] = {0, 0};
   for (const Component& component : model_.components) structural[component.exclusive] += component.structural;
-  xml_.attribute("nrOfAtoms", model_.rest.size());
+  xml_.attribute("nrOfAtoms", particles_);
   xml_.attribute("nrOfExclusiveComponents", structural[1]);
   xml_.attribute("nrOfInformativeComponents", structural[0]);
-  xml_.attribute("nrOfCells", model_.cells.size() + (layout_.neighbourhoods >= 0 ? model_.rest.size() : 0));
+  xml_.attribute("nrOfCells",
+                 model_.cells.size() + (layout_.neighbourhoods >= 0 ? static_cast<std::size_t>(particles_) : 0));
 }
 
 void PmlWriter::write_atoms() {
@@ -90,10 +96,10 @@ void PmlWriter::write_atoms() {
   if (extras_.particle_index.empty()) write_mark("unnumbered");
   write_attributes(list.attributes, {"name", pml_mark_attribute}, "structuralComponent");
   write_colour(list.colour);
-  xml_.leaf("nrOfStructures", "value", model_.rest.size());
+  xml_.leaf("nrOfStructures", "value", static_cast<std::size_t>(particles_));
   constexpr const char* axes[] = {"x", "y", "z"};
   std::string number;
-  for (Index row = 0; row < model_.particle_count(); ++row) {
+  for (Index row = 0; row < particles_; ++row) {
     xml_.open("atom");
     xml_.open("atomProperties");
     xml_.attribute("index", model_.file_index(row));
@@ -164,7 +170,7 @@ void PmlWriter::write_component(Index row) {
     const bool neighbourhoods = row == layout_.neighbourhoods;
     const std::size_t structures =
         layout_.own_cells[row].size() + layout_.references[row].size() + component.particles.size();
-    xml_.leaf("nrOfStructures", "value", structures + (neighbourhoods ? model_.rest.size() : 0));
+    xml_.leaf("nrOfStructures", "value", structures + (neighbourhoods ? static_cast<std::size_t>(particles_) : 0));
     for (const Index cell : layout_.own_cells[row]) write_cell(cell, material >= 0);
     for (const Index cell : layout_.references[row])
       xml_.leaf("cellRef", "index", static_cast<std::size_t>(layout_.cell_number[cell]));
@@ -225,7 +231,7 @@ void PmlWriter::write_loose_cells() {
 
 void PmlWriter::write_neighbourhoods() {
   auto fields = extras_.neighbourhood_fields.begin();
-  for (Index row = 0; row < model_.particle_count(); ++row) {
+  for (Index row = 0; row < particles_; ++row) {
     xml_.open("cell");
     xml_.open("cellProperties");
     if (!extras_.neighbourhood_index.empty() && extras_.neighbourhood_index[row] >= 0) {
