@@ -37,6 +37,8 @@ if [ "${1:-}" = full ]; then
     PHYMUL_REQUIRE_GL=$require LP_NUM_THREADS=0 ctest --test-dir "build/$preset" --output-on-failure --parallel 2 \
       -L '^full$' --no-tests=error || failed="$failed $preset-full"
   done
+  # File by file: each includes what it uses.
+  { cmake --preset dev && cmake --build --preset dev --parallel "$(nproc)"; } || failed="$failed dev"
   # The page and the trajectories in WebAssembly; what else this script installs does not bring a compiler for it.
   if command -v em++ >/dev/null 2>&1 || apt-cache show emscripten >/dev/null 2>&1; then
     sh cmake/browser.sh || failed="$failed browser"

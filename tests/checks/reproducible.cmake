@@ -15,7 +15,7 @@ foreach(place one another/place)
   file(COPY ${ROOT}/CMakeLists.txt ${ROOT}/cmake ${ROOT}/include ${ROOT}/src ${ROOT}/glsl DESTINATION ${source})
   execute_process(
     COMMAND ${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${COMPILER}
-            -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON -DPHYMUL_UNITY=ON -DPHYMUL_WITH_GL=OFF -DPHYMUL_WITH_C=OFF
+            -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON -DPHYMUL_WITH_GL=OFF -DPHYMUL_WITH_C=OFF
             -DPHYMUL_BUILD_TESTS=OFF -DPHYMUL_BUILD_BENCH=OFF -DPHYMUL_BUILD_EXAMPLES=OFF -DPHYMUL_INSTALL=OFF
     OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND ${CMAKE_COMMAND} --build ${build} --target phymul --parallel ${cores}
