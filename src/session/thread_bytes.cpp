@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thread_bytes.h"
 
-#include <algorithm>
 #include <bit>
-#include <utility>
 
 #include "joint_bytes.h"
 #include "wire_codes.h"

@@ -2,11 +2,7 @@
 //
 // cut_body against converged finite elements of slit blocks, and by what a cut must keep.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/elasticity.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
-#include <phymul/surface.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>

@@ -2,8 +2,6 @@
 //
 // SolverOptions::sleep_tolerance on the backend "cpu".
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
 
 #include <chrono>

@@ -2,8 +2,6 @@
 //
 // The faces of a cut under Scene::contacts: they carry pressure and friction as the tissue did, and no tension.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 

@@ -2,7 +2,6 @@
 //
 // Needles with their defaults: where the tissue gives way does not depend on the mesh, and no cell turns inside out.
 #include <algorithm>
-#include <map>
 
 #include "support/sanitized.h"
 #include "support/tool_backends.h"

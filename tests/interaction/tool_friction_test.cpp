@@ -2,7 +2,6 @@
 //
 // Friction of tools with ToolContact::surface: what sticks does not creep, what slides does so at Coulomb's limit.
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "support/tool_backends.h"

@@ -2,12 +2,9 @@
 //
 // Scene::tear: when and where tissue tears.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "support/bodies.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "packed_loads.h"
 
-#include <algorithm>
-
 #include "sleep_blocks.h"
 
 namespace phymul::cpu {

@@ -4,7 +4,6 @@
 // Format: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 #include <phymul/error.h>
 
-#include <algorithm>
 #include <bit>
 #include <limits>
 
