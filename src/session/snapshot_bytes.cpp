@@ -10,7 +10,6 @@
 
 #include "base/fnv.h"
 #include "cut_bytes.h"
-#include "joint_bytes.h"
 #include "thread_bytes.h"
 #include "tool_bytes.h"
 

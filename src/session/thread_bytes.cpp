@@ -3,7 +3,6 @@
 
 #include <bit>
 
-#include "joint_bytes.h"
 #include "wire_codes.h"
 
 namespace phymul {

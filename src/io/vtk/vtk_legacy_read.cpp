@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "base/byte_source.h"
-#include "base/file_ending.h"
+#include "base/files.h"
 #include "io/mesh/mesh_parts.h"
 #include "vtk_cells.h"
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
+//
+// What the words of LML mean: units, and what a load is applied to.
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/scene.h>
 
 #include <string>
 #include <string_view>
@@ -10,6 +13,25 @@
 #include "base/index_table.h"
 
 namespace phymul {
+
+/// A unit of LML and what a value in it is in SI.
+struct LmlUnit {
+  const char* name;
+  LoadType type;
+  double factor;
+};
+
+/// nullptr: no load of this type has such a unit.
+const LmlUnit* find_lml_unit(LoadType type, std::string_view name);
+
+/// The unit meant where a load has none, and the one that is written.
+const LmlUnit& default_lml_unit(LoadType type);
+
+/// "mm, micron, nm, ..."
+std::string known_lml_units(LoadType type);
+
+/// Spelling of LML ("Translation").
+const char* lml_name(LoadType type);
 
 /// The language of appliedTo: `1,3,5-7`, names of groups, `*`; blanks around commas are allowed.
 class LmlTargets {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// Errors about files, and errors that get a file or a prefix on their way up.
+// Of files: errors about them, their endings, and how one takes the place of another.
 #pragma once
 
 #include <phymul/error.h>
 
 #include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <string>
+#include <string_view>
 
 namespace phymul {
 
@@ -30,5 +34,22 @@ auto reading(const std::string& file, Read read) {
     throw in_file(file, error);
   }
 }
+
+/// Of the letters A to Z, whatever the locale.
+inline std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return result;
+}
+
+/// With its dot, in lower case: ".stl".
+inline std::string file_ending(const std::string& path) {
+  return lower_case(std::filesystem::path(path).extension().string());
+}
+
+/// Calls `write` with a stream to a new file beside `path`, which takes the place of `path` only when complete (of
+/// the file it names, where `path` is a link). A pipe or device is written to directly. Throws Error, and leaves no new
+/// file, when anything fails.
+void replace_file(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace phymul

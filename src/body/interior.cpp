@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "solid_interior.h"
+#include "interior.h"
 
 #include <phymul/error.h>
 
