@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gl_api.h"
+
 namespace phymul::gl {
 
 /// What EGL has bound to this thread, to be bound again: context, display, both surfaces and the API. Costs some
