@@ -6,7 +6,6 @@
 
 #include <phymul/phymul.h>
 
-#include <memory>
 #include <string>
 
 namespace phymul::bench {

@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <cmath>
-#include <limits>
 
 namespace phymul::bench {
 namespace {

@@ -6,7 +6,6 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace phymul::bench {
 namespace {

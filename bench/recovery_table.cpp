@@ -4,7 +4,6 @@
 // with d = 0.99, with and without the cut of SolverOptions::max_displacement_per_step. `recovery_table [backend [share
 // of the stable step]]`, default reference and 0.5; takes minutes in the reference backend.
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <string>
 

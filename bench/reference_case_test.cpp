@@ -2,7 +2,6 @@
 //
 // Case files of bench/reference: expressions, and the bodies and loads they make.
 #include <gtest/gtest.h>
-#include <phymul/error.h>
 #include <phymul/load_frame.h>
 #include <phymul/phymul.h>
 

@@ -8,7 +8,6 @@
 #include <phymul/phymul.h>
 
 #include <string>
-#include <vector>
 
 namespace phymul::bench {
 

@@ -5,7 +5,6 @@
 // grow (--rates).
 #include <cmath>
 #include <cstdio>
-#include <functional>
 
 #include "arguments.h"
 #include "csv_row.h"

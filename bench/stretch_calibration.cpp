@@ -4,8 +4,6 @@
 #include <phymul/error.h>
 #include <phymul/topology_textures.h>
 
-#include <cmath>
-
 #include "measures.h"
 
 namespace phymul::bench {

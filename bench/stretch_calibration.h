@@ -3,8 +3,6 @@
 // Stiffness by a stretching test on the very body: for models that no closed form gives a modulus.
 #pragma once
 
-#include <string>
-
 #include "methods.h"
 #include "relaxation.h"
 

@@ -4,7 +4,6 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <thread>
 

@@ -4,7 +4,6 @@
 // depends on the place, how much it jumps as the tool slides, and what a tick costs. Backend cpu, one thread.
 //   tool_contact [surface file in mm [spacing in mm [places a side]]]
 #include <phymul/phymul.h>
-#include <phymul/surface_file.h>
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,6 @@
 
 #include <phymul/error.h>
 
-#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <sstream>

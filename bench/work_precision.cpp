@@ -3,7 +3,6 @@
 // Error against time: every reference case, by every model, at every resolution, step and backend, taken to rest by
 // real stepping; bodies with a material also by Simulation::solve_static. Writes one CSV row each; what fails is a row
 // with the failure's name. bench/charts.sh draws it.
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <map>

@@ -4,7 +4,6 @@
 #include <phymul/phymul.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <string_view>
 
 int main(int argc, char** argv) try {

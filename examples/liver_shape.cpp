@@ -4,7 +4,6 @@
 #include <phymul/surface.h>
 
 #include <algorithm>
-#include <utility>
 
 using phymul::Index;
 using phymul::Vec3;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "prostate.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "scene_picture.h"
 
 Prostate::Prostate(bool quick) {

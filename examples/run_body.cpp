@@ -9,7 +9,6 @@
 #include <phymul/surface_file.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 

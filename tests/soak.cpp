@@ -6,14 +6,12 @@
 // made anew, for as long as asked. Fails if memory grows after the first tenth of the time, or if a state is not
 // finite. Prints a line for each twentieth.
 #include <phymul/phymul.h>
-#include <phymul/recording.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>

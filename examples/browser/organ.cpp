@@ -8,7 +8,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <numbers>
 
 using phymul::Index;
 using phymul::Vec3;

@@ -6,10 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <set>
-#include <span>
 
 #include "fit.h"
 #include "sampler.h"

@@ -11,8 +11,6 @@
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
-#include <span>
-#include <sstream>
 
 #include "run_options.h"
 #include "sampler.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "decimal.h"
-#include "file_error.h"
+#include "files.h"
 #include "number_chars.h"
 
 namespace phymul {

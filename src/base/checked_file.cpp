@@ -9,7 +9,7 @@
 #include <cstdio>
 
 #include "byte_source.h"
-#include "file_error.h"
+#include "files.h"
 
 namespace phymul {
 namespace {

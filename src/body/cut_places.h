@@ -10,7 +10,6 @@
 #include <cmath>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "model/cell_cutter.h"

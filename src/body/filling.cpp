@@ -11,7 +11,6 @@
 
 #include "base/place_text.h"
 #include "base/union_find.h"
-#include "dihedral_angles.h"
 #include "graded_lattice.h"
 #include "improve_cells.h"
 #include "model/enclosed_volume.h"

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "dihedral_angles.h"
 #include "model/enclosed_volume.h"
 
 namespace phymul {

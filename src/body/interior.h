@@ -3,8 +3,10 @@
 // What the filling asks of a shape, whatever describes it.
 #pragma once
 
+#include <phymul/body.h>
 #include <phymul/types.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "lattice.h"
@@ -19,6 +21,27 @@ class Interior {
   virtual std::vector<char> inside(const VecList& places) const = 0;
   /// Where the line from a point inside to one outside leaves the shape first, as a share of the way.
   virtual double exit(const Vec3& in, const Vec3& out) const = 0;
+};
+
+/// Its function, but outside its box positive whatever the function says. Not a number where the function is not.
+inline double clipped_distance(const Solid& solid, const Vec3& x) {
+  return std::max(solid.distance(x), (solid.low - x).cwiseMax(x - solid.high).maxCoeff());
+}
+
+/// Of a shape that a function describes. Keeps a reference.
+class SolidInterior : public Interior {
+ public:
+  explicit SolidInterior(const Solid& solid) : solid_(solid) {}
+  /// Throws Error where the function is not a number.
+  std::vector<char> inside(const CentredLattice& lattice) const override;
+  std::vector<char> inside(const VecList& places) const override;
+  double exit(const Vec3& in, const Vec3& out) const override;
+  /// m^3, of lines along x, 16 through each cube.
+  double volume(const CentredLattice& lattice) const;
+
+ private:
+  double at(const Vec3& x) const;
+  const Solid& solid_;
 };
 
 }  // namespace phymul

@@ -13,8 +13,8 @@
 #include "base/bounding_box.h"
 #include "base/place_text.h"
 #include "filling.h"
+#include "interior.h"
 #include "model/enclosed_volume.h"
-#include "solid_interior.h"
 #include "surface_interior.h"
 
 namespace phymul {

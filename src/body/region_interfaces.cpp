@@ -9,7 +9,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "dihedral_angles.h"
+#include "improve_cells.h"
 
 namespace phymul {
 namespace {

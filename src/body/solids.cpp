@@ -10,8 +10,8 @@
 #include <memory>
 
 #include "base/place_text.h"
+#include "interior.h"
 #include "model/closest_triangle.h"
-#include "solid_interior.h"
 
 namespace phymul {
 namespace {

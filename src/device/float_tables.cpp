@@ -193,6 +193,18 @@ LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
   return most;
 }
 
+/// Bytes that the two layouts do not share; see FloatTables.
+bool enumerated_is_smaller(const TopologyTextures& topology) {
+  double triples = 0.0;
+  for (const IndexTexel& at : topology.index) {
+    const double n = at.neighbour_count;
+    triples += n * (n - 1.0) * (n - 2.0) / 6.0;
+  }
+  const double table = sizeof(Int4) + 2 * sizeof(Float4) + sizeof(Int2);
+  return triples * sizeof(float) + topology.neighbour_count * (sizeof(Float4) - sizeof(float)) <
+         topology.base_count * table;
+}
+
 }  // namespace
 
 FloatEntries::FloatEntries(const FloatTables& tables) : rows(tables.reaction) {
@@ -237,6 +249,14 @@ FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   tables.turns = count_turns(topology, layout);
   count_domain_turns(tables.domains, tables.particle_count, tables.turns);
   return tables;
+}
+
+FloatLayout choose_layout(BaseLayout wish, const TopologyTextures& topology) {
+  if (wish == BaseLayout::enumerated) return FloatLayout::enumerated;  // pack_floats refuses what cannot be
+  const bool automatic = wish == BaseLayout::automatic;
+  return automatic && topology.base_count > 0 && can_enumerate(topology) && enumerated_is_smaller(topology)
+             ? FloatLayout::enumerated
+             : FloatLayout::table;
 }
 
 }  // namespace phymul

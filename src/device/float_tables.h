@@ -13,6 +13,7 @@
 //   domain d   first Piola stress and a force; float_domains.h
 #pragma once
 
+#include <phymul/gl.h>
 #include <phymul/topology_textures.h>
 
 #include <vector>
@@ -120,5 +121,9 @@ bool can_enumerate(const TopologyTextures& topology);
 /// Rows of `share` (thesis' reactions) or `reaction` are bounded by lists[i][0]. Throws Error where an entry would not
 /// fit 32 bits or a constant not a float, and for `enumerated` where the options do not allow it.
 FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout = FloatLayout::table);
+
+/// Of a GL backend: enumerated where it is allowed, and asked for or smaller. What is asked for and not allowed is
+/// returned as it is; pack_floats refuses it.
+FloatLayout choose_layout(BaseLayout wish, const TopologyTextures& topology);
 
 }  // namespace phymul

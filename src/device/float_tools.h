@@ -11,7 +11,6 @@
 #include <phymul/state.h>
 
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "interaction/joint_set.h"

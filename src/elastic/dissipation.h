@@ -13,7 +13,6 @@
 #include <phymul/state.h>
 
 #include <array>
-#include <optional>
 #include <vector>
 
 namespace phymul {

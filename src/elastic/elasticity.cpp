@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "averaged_stiffness.h"
 #include "domain_forces.h"

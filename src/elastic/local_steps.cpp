@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <utility>
 
 #include "local_step_limit.h"
 #include "scaled_stiffness.h"

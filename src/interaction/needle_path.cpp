@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "model/surface_facets.h"
-#include "needle_shaft.h"
 #include "scene/needle_measures.h"
 
 namespace phymul {

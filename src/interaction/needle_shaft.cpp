@@ -4,7 +4,6 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "base/decimal.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "closest_triangle.h"
 
-#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 #include <map>

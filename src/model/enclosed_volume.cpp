@@ -2,10 +2,7 @@
 #include "enclosed_volume.h"
 
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 #include <limits>
-#include <utility>
 
 namespace phymul {
 

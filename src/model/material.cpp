@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/error.h>
-#include <phymul/model.h>
 
 #include <algorithm>
 #include <cmath>

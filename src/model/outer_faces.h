@@ -5,7 +5,6 @@
 
 #include <phymul/model.h>
 
-#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstdint>

@@ -2,7 +2,6 @@
 #include <phymul/error.h>
 #include <phymul/model.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "base/file_error.h"
+#include "base/files.h"
 #include "base/union_find.h"
 #include "body_rows.h"
 #include "model/body_type.h"

@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "base/decimal.h"
-#include "base/file_error.h"
-#include "default_name.h"
+#include "base/files.h"
+#include "scene_items.h"
 
 namespace phymul {
 namespace {

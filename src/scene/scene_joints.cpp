@@ -7,11 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anchor_check.h"
 #include "anchor_place.h"
 #include "base/decimal.h"
-#include "default_name.h"
-#include "require_value.h"
+#include "scene_items.h"
 
 namespace phymul {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <algorithm>
 
-#include "base/file_error.h"
-#include "default_name.h"
+#include "base/files.h"
 #include "model/group.h"
 #include "model/require_indices.h"
 #include "model/surface_facets.h"
+#include "scene_items.h"
 
 namespace phymul {
 namespace {

@@ -9,13 +9,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "anchor_check.h"
 #include "anchor_place.h"
 #include "base/decimal.h"
-#include "base/file_error.h"
-#include "default_name.h"
-#include "require_value.h"
-#include "thread_state.h"
+#include "base/files.h"
+#include "scene_items.h"
+#include "tool_state.h"
 
 namespace phymul {
 namespace {

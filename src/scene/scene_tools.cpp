@@ -9,9 +9,8 @@
 #include <numbers>
 
 #include "base/decimal.h"
-#include "default_name.h"
 #include "needle_measures.h"
-#include "require_value.h"
+#include "scene_items.h"
 
 namespace phymul {
 namespace {

@@ -10,11 +10,11 @@
 #include <map>
 
 #include "base/decimal.h"
-#include "default_name.h"
 #include "model/enclosed_volume.h"
 #include "model/group.h"
 #include "model/require_indices.h"
 #include "model/surface_facets.h"
+#include "scene_items.h"
 
 namespace phymul {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/byte_source.h"
 #include "base/checked_file.h"
-#include "base/replace_file.h"
+#include "base/files.h"
 #include "snapshot_bytes.h"
 
 namespace phymul {

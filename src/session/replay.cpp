@@ -6,7 +6,7 @@
 #include <bit>
 
 #include "base/decimal.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "cut_bytes.h"
 #include "input_kinds.h"
 #include "scene_bytes.h"

@@ -5,7 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "joint_bytes.h"
 #include "thread_bytes.h"
 #include "tool_bytes.h"
 #include "wire_codes.h"

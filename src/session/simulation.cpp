@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "elastic/dissipation.h"
 #include "simulation_parts.h"
 #include "solver/half_step.h"

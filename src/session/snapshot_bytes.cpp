@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 #include "base/fnv.h"
 #include "cut_bytes.h"
-#include "joint_bytes.h"
 #include "thread_bytes.h"
 #include "tool_bytes.h"
 

@@ -8,8 +8,7 @@
 
 #include "base/byte_source.h"
 #include "base/checked_file.h"
-#include "base/file_error.h"
-#include "base/replace_file.h"
+#include "base/files.h"
 #include "snapshot_bytes.h"
 
 namespace phymul {

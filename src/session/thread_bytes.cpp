@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "thread_bytes.h"
 
-#include <algorithm>
 #include <bit>
-#include <utility>
 
-#include "joint_bytes.h"
 #include "wire_codes.h"
 
 namespace phymul {

@@ -11,13 +11,13 @@
 #include <cstdio>
 #include <limits>
 
-#include "base/file_error.h"
+#include "base/files.h"
 #include "cpu/packed/simd_solver.h"
 #include "cpu/reference_solver.h"
 #include "cpu/simd/job.h"
 #include "topology/neighbourhoods.h"
 #ifdef PHYMUL_HAS_GL
-#include "device/base_layout.h"
+#include "device/float_tables.h"
 #include "gl_module.h"
 #include "scene/tool_state.h"
 #endif

@@ -19,7 +19,6 @@
 #include "interaction/joint_set.h"
 #include "interaction/stiff_joints.h"
 #include "profile.h"
-#include "scene/thread_state.h"
 #include "scene/tool_state.h"
 #include "solver_input.h"
 #include "topology/topology_match.h"

@@ -5,7 +5,6 @@
 #include <phymul/error.h>
 
 #include <span>
-#include <utility>
 
 #include "elastic/dissipation.h"
 #include "elastic/local_steps.h"

@@ -19,7 +19,6 @@
 #include "model/body_type.h"
 #include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
-#include "model/material.h"
 #include "model/point_cells.h"
 #include "point_domains.h"
 #include "stabiliser.h"

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/union_find.h"
-#include "coordinate_products.h"
 
 namespace phymul {
 namespace {

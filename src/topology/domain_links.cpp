@@ -2,7 +2,6 @@
 #include "domain_links.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace phymul {
 namespace {

@@ -3,8 +3,6 @@
 // Constants of Law::particle_averaged for a body of points: particles with neighbours and one material, but no cells.
 #pragma once
 
-#include <vector>
-
 #include "averaged_body.h"
 
 namespace phymul {

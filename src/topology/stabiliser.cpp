@@ -11,7 +11,6 @@
 #include "bending.h"
 #include "body_frames.h"
 #include "cell_quadrature.h"
-#include "coordinate_products.h"
 #include "energies.h"
 
 namespace phymul {

@@ -2,11 +2,7 @@
 //
 // cut_body against converged finite elements of slit blocks, and by what a cut must keep.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/elasticity.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
-#include <phymul/surface.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
@@ -69,8 +65,7 @@ double pulling_force(const Model& model, double* mouth = nullptr) {
   const StaticResult rest = sim.solve_static({.tolerance = 1e-7});
   EXPECT_TRUE(rest.converged()) << rest.message();
   if (mouth != nullptr) *mouth = mouth_of(model, sim.solver().read().position);
-  VecList force(model.rest.size());
-  elastic_forces(sim.solver().topology(), sim.solver().read().position, force);
+  const VecList force = forces_at(sim.solver().topology(), sim.solver().read().position);
   double sum = 0.0;
   for (const Index i : model.group("x1")) sum -= force[i].x();
   return sum;

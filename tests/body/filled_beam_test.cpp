@@ -3,9 +3,7 @@
 // How soft the cells of make_body are in bending: a cantilever, in any direction against the lattice that it is filled
 // by, held by its end's surface.
 #include <gtest/gtest.h>
-#include <phymul/body.h>
 #include <phymul/phymul.h>
-#include <phymul/surface_patch.h>
 
 #include <Eigen/Geometry>
 #include <random>

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "body/dihedral_angles.h"
-
 namespace phymul::test {
 namespace {
 

@@ -7,12 +7,12 @@ cmake_minimum_required(VERSION 3.25)
 # Names of variables. Made once and constant from then on: tables, names of files, functions of EGL.
 set(constant hexahedron pyramid quad wedge  # topology/cell_quadrature.cpp
              known                          # io/labels/read_nrrd.cpp: names of units
-             one all empty                  # interaction/contact_points.cpp, model/file_extras.cpp; bindings/c/errors.cpp
+             one all empty                  # interaction/contact_points.cpp, model/model.cpp; bindings/c/errors.cpp
              common files report_files      # gl: names of shader files
              query get place)               # gl: functions of EGL and GLX; where PHYMUL_GLSL has shaders
 # That change; each is safe for threads.
 set(changing loaded mutex   # solver/gl_module.cpp, gl/context/gl_functions.cpp: the GL module and GLEW, loaded once
-             serial         # base/replace_file.cpp: numbers of temporary files
+             serial         # base/files.cpp: numbers of temporary files
              one_at_a_time  # io/labels/read_nrrd.cpp: teem's errors are one list
              current_       # gl/objects/pass_timer.h: of a thread, while it draws
              text)          # bindings/c/errors.cpp: phymul_last_error, of a thread

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <string>
 #include <thread>
 
@@ -101,10 +100,8 @@ TEST(CpuBackend, ABodyOnALineHasTheForcesOfDoublePrecision) {
   const TopologyOptions some{}, all{.reaction = Reaction::averaged, .bases = BaseSelection::all};
   for (const TopologyOptions& options : {some, all}) {
     const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, options));
-    VecList exact(x.size());
-    elastic_forces(*tables, x, exact);
-    double largest = 0.0;
-    for (const Vec3& force : exact) largest = std::max(largest, force.norm());
+    const VecList exact = forces_at(*tables, x);
+    const double largest = largest_norm(exact);
     for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
       const InstructionSet chosen(kernels->name);
       const VecList found = forces_of(*make_solver("cpu", tables, scene, any_step()), x);
@@ -206,8 +203,7 @@ TEST(CpuBackend, ClustersHaveTheForcesOfTheWhole) {
   for (const Case& body : large_cases()) {
     const Scene scene(body.model);
     const VecList u = random_displacements(body.model, 0.1, 4), x = sum_of(body.tables->rest, u);
-    VecList exact(x.size());
-    elastic_forces(*body.tables, x, exact);
+    const VecList exact = forces_at(*body.tables, x);
     const VecList found = forces_of(*make_solver("cpu", body.tables, scene, any_step(2)), x);
     const double scale = largest_norm(exact);
     ASSERT_LE(largest_distance(found, exact), 2e-6 * scale) << body.name;

@@ -2,8 +2,6 @@
 //
 // SolverOptions::sleep_tolerance on the backend "cpu".
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
 
 #include <chrono>
@@ -145,8 +143,7 @@ TEST(Sleep, NeglectsNoForceAboveTheTolerance) {
       if (particles_at_speed_zero(state) == 1.0) break;
     }
     ASSERT_EQ(particles_at_speed_zero(state), 1.0) << tolerance;
-    VecList force(state.position.size());
-    elastic_forces(*body.tables, state.position, force);
+    const VecList force = forces_at(*body.tables, state.position);
     double neglected = 0.0;
     for (Index i = 0; i < model.particle_count(); ++i) {
       if (model.rest[i].x() < 1e-9) continue;

@@ -13,9 +13,7 @@ namespace {
 
 /// The force a body of this stiffness shows when moved by one spacing: what "zero" is measured against.
 double force_scale(const TopologyTextures& topology, const Model& model) {
-  VecList force(model.rest.size());
-  elastic_forces(topology, random_positions(model, 0.3, 1), force);
-  return largest_norm(force);
+  return largest_norm(forces_at(topology, random_positions(model, 0.3, 1)));
 }
 
 /// Runs `check` on every body with every variant that applies to it; sparse particles get springs.
@@ -129,8 +127,7 @@ TEST(Elasticity, MomentumIsKeptWhereItIsPromised) {
 TEST(Elasticity, FurtherTermsKeepBothMomenta) {
   for_each_case(conservative_variants(), [](const Model& model, const TopologyTextures& topology) {
     const VecList x = random_positions(model, 0.2, 5);
-    VecList force(x.size());
-    elastic_forces(topology, x, force);
+    const VecList force = forces_at(topology, x);
     double total = 0.0;
     for (const Vec3& f : force) total += f.norm();
     EXPECT_LE(sum(force).norm(), 1e-13 * total);

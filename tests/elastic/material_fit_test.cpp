@@ -3,7 +3,6 @@
 #include <phymul/material_fit.h>
 
 #include <array>
-#include <cmath>
 
 #include "support/bodies.h"
 #include "support/message_of.h"

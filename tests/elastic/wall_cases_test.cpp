@@ -54,8 +54,7 @@ TEST(WallCases, StripBendsIntoACircle) {
     WallRest strip(tables, held_of(model, [&](const Vec3& X) { return X.x() < row || X.x() > L - row ? 7 : 0; }));
     for (Vec3& p : strip.x) p = {R * std::sin(p.x() / R), p.y(), R * (1.0 - std::cos(p.x() / R))};
     ASSERT_TRUE(strip.rest(1e-9 * L));
-    VecList force(strip.x.size());
-    elastic_forces(tables, strip.x, force);
+    const VecList force = forces_at(tables, strip.x);
     Vec3 moment = Vec3::Zero();
     for (std::size_t i = 0; i < force.size(); ++i) {
       if (model.rest[i].x() > L - row) moment += strip.x[i].cross(force[i]);
@@ -133,8 +132,8 @@ TEST(WallCases, StripBucklesAtEulersLoad) {
                      }));
       for (std::size_t i = 0; i < strip.x.size(); ++i) {
         if (model.rest[i].x() > L - 1e-9) {
-          const bool corner = model.rest[i].y() < 1e-9 || model.rest[i].y() > b - 1e-9;
-          strip.force[i].x() -= axial / (corner ? 8.0 : 4.0);
+          const bool at_corner = model.rest[i].y() < 1e-9 || model.rest[i].y() > b - 1e-9;
+          strip.force[i].x() -= axial / (at_corner ? 8.0 : 4.0);
         }
       }
       EXPECT_TRUE(strip.rest(1e-10 * L));

@@ -3,7 +3,7 @@
 // The backend "gl-compute" by itself: its buffer's rows that are nobody's, the driver's limits, what it
 // tells of its steps and hands out.
 #include "gl/compute/compute_device.h"
-#include "gl/objects/loop_turns.h"
+#include "gl/solver/body_kind.h"
 #include "support/gl_twins.h"
 #include "support/message_of.h"
 

@@ -5,7 +5,6 @@
 // themselves: tests/interaction, on every backend.
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "support/gl_block.h"
 #include "support/gl_touching_bodies.h"

@@ -2,7 +2,6 @@
 //
 // Beside a host that has a context of its own through EGL. What the host had bound and set is there afterwards.
 #include <gtest/gtest.h>
-#include <phymul/error.h>
 #include <phymul/phymul.h>
 
 #include <cmath>

@@ -3,7 +3,6 @@
 // Tools on the GL backends: against the float mirror bit by bit where the renderer allows (llvmpipe), against the
 // double reference within bounds, and in all that batches, reports and devices do.
 #include <algorithm>
-#include <cmath>
 
 #include "support/gl_block.h"
 

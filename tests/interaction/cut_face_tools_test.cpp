@@ -2,11 +2,9 @@
 //
 // Tools with ToolContact::surface on the faces of cuts.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
 #include <phymul/phymul.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "support/bodies.h"
 #include "support/every_backend.h"

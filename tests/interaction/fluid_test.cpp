@@ -7,7 +7,6 @@
 #include <phymul/elasticity.h>
 #include <phymul/simulation.h>
 
-#include <filesystem>
 #include <numbers>
 
 #include "interaction/fluid_push.h"

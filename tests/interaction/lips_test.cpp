@@ -2,8 +2,6 @@
 //
 // The faces of a cut under Scene::contacts: they carry pressure and friction as the tissue did, and no tension.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
@@ -49,8 +47,7 @@ Vec3 force_on_top(const CutSurface& cut, Lips lips, const Vec3& by, double frict
   if (lips == Lips::touching) sim.scene().contacts({.friction = friction});
   const StepReport report = sim.advance(0.6);
   EXPECT_TRUE(report.ok()) << report.message();
-  VecList force(model.rest.size());
-  elastic_forces(sim.solver().topology(), sim.solver().read().position, force);
+  const VecList force = forces_at(sim.solver().topology(), sim.solver().read().position);
   Vec3 sum = Vec3::Zero();
   for (const Index i : model.group("z1")) sum -= force[i];
   return sum;

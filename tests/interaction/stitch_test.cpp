@@ -176,8 +176,7 @@ TEST(Stitch, PullsAsMuchAsWhatHoldsTheTissue) {
   wound.tie_all();
   ASSERT_TRUE(solver->step(static_cast<int>(3.0 / dt), dt).ok());
   const State end = solver->read();
-  VecList force(end.position.size());
-  elastic_forces(solver->topology(), end.position, force);
+  const VecList force = forces_at(solver->topology(), end.position);
   Vec3 reaction = Vec3::Zero(), pull = Vec3::Zero();
   for (const Index i : wound.model.group("left/x0")) reaction += force[i];
   const ThreadState& thread = solver->thread_state("stitch 1");

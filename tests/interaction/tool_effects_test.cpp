@@ -3,6 +3,7 @@
 // Tools: what is imposed takes its part of a push by itself, what leaves by itself is not held back, and where a tool
 // goes between two poses.
 #include <algorithm>
+#include <cmath>
 
 #include "support/tool_backends.h"
 
@@ -111,5 +112,117 @@ TEST(ToolSwing, MeetsWhatIsBeyondTheChord) {
   }
 }
 
+// Friction of tools with ToolContact::surface: what sticks does not creep, what slides does so at Coulomb's limit.
+
+/// Two plates that close on a body from above and below, and then go along x.
+struct Plates {
+  Scene scene;
+  std::unique_ptr<Solver> solver;
+  double x = 0.0, gap = 0.0, half_thickness = 0.0, dt = 0.0;
+
+  struct Shape {
+    Vec3 half_size;
+    double friction, x, open;  // -, m, m
+  };
+  Plates(const Scene& of, const Shape& plates)
+      : scene(of.copy()), x(plates.x), gap(plates.open), half_thickness(plates.half_size.z()) {
+    for (int k = 0; k < 2; ++k) {
+      scene.add_tool(k == 0 ? "upper" : "lower", {.shape = Box{plates.half_size},
+                                                  .pose = pose(k),
+                                                  .friction = plates.friction,
+                                                  .contact = ToolContact::surface});
+    }
+    solver = make_solver("cpu", scene.model(), scene, {}, damped(50.0));
+    dt = 0.5 * solver->stable_step();
+  }
+  ToolPose pose(int k) const { return {.position = {x, 0.0, (k == 0 ? 1.0 : -1.0) * (0.5 * gap + half_thickness)}}; }
+
+  void go(double to_x, double to_gap, double seconds) {
+    const int calls = std::max(1, static_cast<int>(std::lround(seconds / 2e-3)));
+    const double from_x = x, from_gap = gap;
+    for (int call = 1; call <= calls; ++call) {
+      x = from_x + (to_x - from_x) * call / calls;
+      gap = from_gap + (to_gap - from_gap) * call / calls;
+      scene.tool("upper").move_to(pose(0));
+      scene.tool("lower").move_to(pose(1));
+      ASSERT_TRUE(is_ok(solver->step(std::max(1, static_cast<int>(2e-3 / dt)), dt)));
+    }
+  }
+  Vec3 force(const char* plate) const { return solver->tool_force(plate).mean_force; }
+  double normal() const { return 0.5 * (force("upper").z() - force("lower").z()); }
+  double shear() const { return -(force("upper").x() + force("lower").x()); }
+};
+
+std::vector<Index> particles_where(const Model& model, const Contains& is_in) {
+  std::vector<Index> found;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    if (is_in(model.rest[i])) found.push_back(i);
+  }
+  return found;
+}
+
+const Material gel{.young = 5e3, .poisson = 0.45, .density = 1000.0};
+
+/// Of some 1,400 particles.
+Model ellipsoid(const Material& material) {
+  return with_material(make_body(solid_ellipsoid({0, 0, 0}, {0.06, 0.03, 0.02}), {.spacing = 0.0063}), material);
+}
+
+TEST(ToolFriction, APinchedTipStaysBetweenThePlates) {
+  const Model model = ellipsoid(gel);
+  Scene scene(model);
+  scene.fix(particles_where(model, [](const Vec3& at) { return at.x() < -0.03; }));
+  Plates plates(scene, {.half_size = {0.005, 0.01, 0.002}, .friction = 0.8, .x = 0.052, .open = 0.03});
+  plates.go(plates.x, 0.006, 0.4);
+  plates.go(plates.x, 0.006, 0.3);
+  const double normal = plates.normal(), from = plates.x;
+  const State closed = plates.solver->read();
+  // Within half of the plates, where no edge strips them.
+  std::vector<Index> pinched;
+  for (Index i = 0; i < model.particle_count(); ++i) {
+    const Vec3 off = closed.position[i] - Vec3(from, 0, 0);
+    if (std::abs(off.x()) < 0.004 && std::abs(off.y()) < 0.008 && std::abs(std::abs(off.z()) - 0.003) < 5e-4) {
+      pinched.push_back(i);
+    }
+  }
+  ASSERT_GE(pinched.size(), 4u);
+  plates.go(from + 0.02, 0.006, 1.0);
+  plates.go(from + 0.02, 0.006, 0.5);
+  const State pulled = plates.solver->read();
+  double slip = 0.0;
+  for (const Index i : pinched) {
+    slip = std::max(slip, std::abs(0.02 - (pulled.position[i] - closed.position[i]).x()));
+  }
+  RecordProperty("slip_mm", std::to_string(1e3 * slip));
+  RecordProperty("normal", std::to_string(normal) + " to " + std::to_string(plates.normal()));
+  RecordProperty("shear", std::to_string(plates.shear()));
+  EXPECT_LE(slip, 0.2e-3);
+  EXPECT_GE(plates.normal(), 0.9 * normal);
+  EXPECT_GE(plates.shear(), 0.5);  // N: it pulls the body along
+}
+
+/// Plates that cover a body whose middle layer is held. A bag: soft, and its volume is kept.
+TEST(ToolFriction, SlidesAtCoulombsLimitOverBlockEllipsoidAndBag) {
+  Model block = make_block({0.06, 0.03, 0.02}, 12, 6, 4);
+  for (Vec3& at : block.rest) at -= Vec3(0.03, 0.015, 0.01);
+  const Model flat = with_material(block, gel), round = ellipsoid(gel),
+              bag = ellipsoid({.young = 2e3, .poisson = 0.3, .density = 1000.0});
+  constexpr double friction = 0.3;
+  for (const Model* model : {&flat, &round, &bag}) {
+    const double half = model == &flat ? 0.01 : 0.02;
+    Scene scene(*model);
+    scene.fix(particles_where(*model, [&](const Vec3& at) { return std::abs(at.z()) < 0.3 * half; }));
+    if (model == &bag) scene.constrain_volume();
+    Plates plates(scene, {.half_size = {0.2, 0.2, 0.004}, .friction = friction, .x = 0.0, .open = 2.4 * half});
+    plates.go(0.0, 1.4 * half, 0.4);
+    plates.go(0.0, 1.4 * half, 0.2);
+    plates.go(0.015, 1.4 * half, 1.5);
+    EXPECT_NEAR(plates.shear() / (2.0 * friction * plates.normal()), 1.0, 0.1) << (model == &flat    ? "block"
+                                                                                   : model == &round ? "ellipsoid"
+                                                                                                     : "bag");
+  }
+}
+
 }  // namespace
+
 }  // namespace phymul::test

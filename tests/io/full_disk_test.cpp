@@ -3,9 +3,7 @@
 // Every writer on a disk that is full, on a device that takes nothing and in a folder that there is not: an Error names
 // the file, the file that was there before stays whole, and no draft is left beside it.
 #include <gtest/gtest.h>
-#include <phymul/lml.h>
 #include <phymul/phymul.h>
-#include <phymul/recording.h>
 #include <sys/resource.h>
 
 #include <csignal>

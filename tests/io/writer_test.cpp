@@ -13,7 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "base/replace_file.h"
+#include "base/files.h"
 #include "io/vtk/vtu_array.h"
 #include "support/message_of.h"
 #include "support/text_file.h"

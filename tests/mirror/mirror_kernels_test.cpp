@@ -64,8 +64,7 @@ double worst_force_ratio(const Case& body, const cpu::MirrorForces& forces, cons
   std::vector<Float3> force(u.size());
   forces.evaluate(u, force);
   const VecList wide = widened(u), found = widened(force);
-  VecList exact(u.size());
-  elastic_forces(body.topology, sum_of(body.topology.rest, wide), exact);
+  const VecList exact = forces_at(body.topology, sum_of(body.topology.rest, wide));
   const BoundedForces bounded(body.topology, wide);
   double worst = 0.0;
   for (Index i = 0; i < body.topology.particle_count; ++i) {

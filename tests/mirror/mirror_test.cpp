@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "conformance/solver_conformance_fixture.h"
 #include "mirror.h"
 #include "support/bodies.h"
 #include "support/steps.h"
@@ -152,5 +153,20 @@ TEST(Mirror, EnumeratedBasesMoveTheBodyAlike) {
   EXPECT_LE(largest_distance(table->read().position, enumerated->read().position), 1e-6 * body_size(model));
 }
 
+// The float mirror passes what every backend must. The tests themselves are in solver_conformance_test.cpp.
+
+BackendUnderTest mirror() {
+  return {"mirror",
+          [](const Model& model, const Scene& scene, const TopologyOptions& topology, const SolverOptions& options) {
+            return cpu::make_mirror_solver(std::make_shared<const TopologyTextures>(build_topology(model, topology)),
+                                           scene, options);
+          },
+          0x1p-24};
+}
+
+INSTANTIATE_TEST_SUITE_P(Float, SolverConformance, testing::Values(mirror()),
+                         [](const auto& backend) { return backend.param.name; });
+
 }  // namespace
+
 }  // namespace phymul::test

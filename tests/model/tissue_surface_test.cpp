@@ -2,14 +2,10 @@
 //
 // The surface of what cuts and removals leave.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
-#include <phymul/surface.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <random>
 #include <set>
 

@@ -3,7 +3,6 @@
 // What a blade does next is determined by the state: also after a teleport, a snapshot, a recording, a cut that was
 // undone and a step that failed.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
 #include <phymul/phymul.h>
 
 #include <algorithm>

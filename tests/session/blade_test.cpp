@@ -2,9 +2,6 @@
 //
 // Blades: what they cut, with which force, and that every backend, snapshots and recordings have them.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/jaws.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
 
 #include <algorithm>

@@ -2,10 +2,7 @@
 //
 // Simulation::cut: the body that is left against one built anew, on every backend, and what follows it.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
-#include <phymul/step_limit.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>

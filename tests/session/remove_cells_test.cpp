@@ -2,8 +2,6 @@
 //
 // Simulation::remove_cells: the body that is left against one built anew, on every backend, and what follows it.
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 

@@ -2,7 +2,6 @@
 //
 // What of a scene follows Simulation::remove_cells: contacts, tools, joints, volumes, loads.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
 #include <phymul/load_frame.h>
 #include <phymul/phymul.h>
 

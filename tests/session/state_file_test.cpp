@@ -5,8 +5,6 @@
 
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <random>
 
 #include "base/checked_file.h"
 #include "support/message_of.h"

@@ -2,12 +2,9 @@
 //
 // Scene::tear: when and where tissue tears.
 #include <gtest/gtest.h>
-#include <phymul/bodies.h>
-#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "support/bodies.h"
@@ -65,8 +62,7 @@ double energy_release() {
     for (const int seed : {1, 2, 3}) {
       Simulation sim = drawn_strip(0.004, seed, notch(length), {{0.0, 1e-3}});
       EXPECT_TRUE(sim.solve_static().converged());
-      VecList forces(sim.model().rest.size());
-      elastic_forces(sim.solver().topology(), sim.state().position, forces);
+      const VecList forces = forces_at(sim.solver().topology(), sim.state().position);
       for (const Index i : sim.model().group("z1")) sum -= forces[i].z() / 3.0;
     }
     return sum;

@@ -2,7 +2,6 @@
 //
 // Materials that dissipate: what they conserve, their state, and misuse. Closed forms: dissipation_test.cpp.
 #include <gtest/gtest.h>
-#include <phymul/error.h>
 #include <phymul/phymul.h>
 
 #include <algorithm>

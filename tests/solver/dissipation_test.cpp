@@ -4,7 +4,6 @@
 // Kelvin-Voigt body and of the standard linear solid: Findley, Lai and Onaran, Creep and Relaxation of Nonlinear
 // Viscoelastic Materials, 1976, ch. 5.
 #include <gtest/gtest.h>
-#include <phymul/monitor.h>
 #include <phymul/phymul.h>
 
 #include <array>

@@ -3,9 +3,7 @@
 // Memory that runs out while something is made, at each allocation in turn: std::bad_alloc or an Error comes out,
 // nothing leaks, and what was given in is as it was.
 #include <gtest/gtest.h>
-#include <phymul/lml.h>
 #include <phymul/phymul.h>
-#include <phymul/recording.h>
 #include <phymul/topology_textures.h>
 
 #include <functional>

@@ -2,7 +2,6 @@
 //
 // Scene::scale_stiffness: the stiffness of materials, changed between steps.
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 
 #include <iostream>

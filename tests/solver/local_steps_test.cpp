@@ -2,7 +2,6 @@
 //
 // SolverOptions::max_substeps: materials that need a shorter step than the others.
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iostream>

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <string>
 #include <vector>
 

@@ -89,6 +89,13 @@ inline VecList rigidly_moved(const Model& model, std::uint32_t seed) {
   return x;
 }
 
+/// Elastic forces, N, at positions x [N].
+inline VecList forces_at(const TopologyTextures& tables, const VecList& x) {
+  VecList force(x.size());
+  elastic_forces(tables, x, force);
+  return force;
+}
+
 inline double largest_norm(const VecList& list) {
   double largest = 0.0;
   for (const Vec3& v : list) largest = std::max(largest, v.norm());

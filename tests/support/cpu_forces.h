@@ -70,8 +70,7 @@ class ShareOfBound {
   void look(const std::shared_ptr<const TopologyTextures>& tables, const Scene& scene, const VecList& u,
             const std::string& what, std::initializer_list<int> threads = {1}) {
     const VecList x = sum_of(tables->rest, u);
-    VecList exact(x.size());
-    elastic_forces(*tables, x, exact);
+    const VecList exact = forces_at(*tables, x);
     const BoundedForces bounded(*tables, u);
     for (const cpu::simd::Kernels* kernels : cpu::simd::usable_kernels()) {
       const InstructionSet chosen(kernels->name);

@@ -3,7 +3,6 @@
 // A body whose cells tests remove or cut, and its tables against those of a body built anew.
 #pragma once
 
-#include <phymul/elasticity.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 

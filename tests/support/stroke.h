@@ -3,7 +3,6 @@
 // A blade that goes into a slab.
 #pragma once
 
-#include <phymul/bodies.h>
 #include <phymul/phymul.h>
 
 #include <string>

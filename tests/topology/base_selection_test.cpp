@@ -8,7 +8,7 @@
 
 #include "support/bodies.h"
 #include "support/message_of.h"
-#include "topology/corner_simplices.h"
+#include "topology/topology_terms.h"
 
 namespace phymul::test {
 namespace {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "model/file_extras.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
+#include "topology/base_selection.h"
+#include "topology/topology_terms.h"
 
 namespace phymul::test {
 namespace {
@@ -135,5 +138,169 @@ TEST(Topology, OptionsOutOfRangeAreRefusedByName) {
   EXPECT_TRUE(refuses([&] { build_topology(wire, {.volume_stiffness = 1.0}); }, "a volume term needs tetrahedra"));
 }
 
+// Bodies at the edge of what tables can be made of: repeated, flat and inside-out cells, sparse particles, materials.
+
+Model with_first_cell_twice() {
+  Model model = make_tetrahedral_block({0.02, 0.02, 0.02}, 2, 2, 2, 0.1, 1);
+  model.cells.push_back(model.cells.front());
+  return model;
+}
+
+TEST(TopologyLimits, ARepeatedCellAddsVolume) {
+  const auto domains = [](Model model) {
+    set_material(model, soft_tissue());
+    return build_topology(model).domains;
+  };
+  Model once = with_first_cell_twice();
+  const std::vector<Index> cell = once.cells.front().particles;
+  const std::vector<DomainTexel> t = domains(once);
+  once.cells.pop_back();
+  const std::vector<DomainTexel> s = domains(once);
+  ASSERT_EQ(t.size(), s.size());
+  for (std::size_t d = 0; d < t.size(); ++d) {
+    const bool in_it = std::ranges::find(cell, t[d].particle) != cell.end();
+    EXPECT_EQ(t[d].inverse_volume < 0.999 * s[d].inverse_volume, in_it) << "particle " << t[d].particle;
+  }
+}
+
+TEST(TopologyLimits, PairsThatAllButCoincideAreNoBase) {
+  for (const double scale : {1e-6, 1.0}) {
+    const Vec3 x(0, scale, 0), a(scale, 0, 0);
+    EXPECT_FALSE(has_plane(rest_pair(x, a, a + Vec3(1e-11 * scale, 0, 0))));
+    EXPECT_TRUE(has_plane(rest_pair(x, a, a + Vec3(1e-6 * scale, 0, 0))));
+  }
+}
+
+TEST(TopologyLimits, ParticlesOutsideTheMaterialTakeNoSprings) {
+  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  add_particle(model, {0.05, 0, 0}, {2, 5}, 3.0);
+  set_material(model, soft_tissue());
+  TopologyOptions options{.on_sparse = SparseParticle::springs};
+  EXPECT_TRUE(refuses([&] { build_topology(model, options); },
+                      "particle 27 is in no cell that has a material, and springs would need a stiffness"));
+  options.on_sparse = SparseParticle::free;
+  EXPECT_TRUE(build_topology(model, options).springs.empty());
+}
+
+TEST(CornerSimplices, FlatCornersAreLeftOutAndInsideOutOnesRefused) {
+  Model flat = make_block({1, 1, 1}, 1, 1, 1);
+  const std::vector<Index> ring = flat.cells[0].particles;
+  // The ring's second corner lies on the line between its neighbours: no volume there, and none lost by it.
+  flat.rest[ring[1]] = (flat.rest[ring[0]] + flat.rest[ring[2]]) / 2;
+  flat.rest[ring[5]] = (flat.rest[ring[4]] + flat.rest[ring[6]]) / 2;
+  const std::vector<CornerSimplex> corners = corner_simplices(flat, 0);
+  EXPECT_EQ(corners.size(), 6u);
+  double sum = 0.0;
+  for (const CornerSimplex& corner : corners) sum += corner.share;
+  EXPECT_NEAR(sum, cell_volume(flat, flat.cells[0]), 1e-12);
+  // Past that line the corner looks inward while the cell as a whole does not.
+  flat.rest[ring[1]] += 0.1 * (flat.rest[ring[3]] - flat.rest[ring[1]]);
+  ASSERT_GT(cell_volume(flat, flat.cells[0]), 0.0);
+  EXPECT_TRUE(refuses([&] { corner_simplices(flat, 0); }, "is inside out at rest"));
+}
+
+TEST(CornerSimplices, ACellWithoutVolumeIsRefused) {
+  Model flat = make_tetrahedron(1.0);
+  flat.rest[3] = flat.rest[0];
+  EXPECT_TRUE(refuses([&] { corner_simplices(flat, 0); }, "is inside out at rest"));
+}
+
+// Packing: rectangles of texels, transposed lists.
+
+TEST(FitTexture, NearSquareWithWidthAPowerOfTwo) {
+  EXPECT_EQ(fit_texture(0, 16, "t"), (TextureShape{1, 1}));
+  EXPECT_EQ(fit_texture(1, 16, "t"), (TextureShape{1, 1}));
+  EXPECT_EQ(fit_texture(2, 16, "t"), (TextureShape{2, 1}));
+  EXPECT_EQ(fit_texture(5, 16, "t"), (TextureShape{4, 2}));
+  EXPECT_EQ(fit_texture(16, 16, "t"), (TextureShape{4, 4}));
+  EXPECT_EQ(fit_texture(17, 16, "t"), (TextureShape{8, 3}));
+  EXPECT_EQ(fit_texture(std::int64_t{16384} * 16384, 16384, "t"), (TextureShape{16384, 16384}));
+  for (std::int64_t rows = 1; rows < 3000; ++rows) {
+    const TextureShape shape = fit_texture(rows, 64, "t");
+    EXPECT_GE(shape.texels(), rows);
+    EXPECT_LT(shape.texels() - rows, shape.width);  // no empty line
+    EXPECT_LE(std::max(shape.width, shape.height), 64);
+    EXPECT_EQ(shape.width & (shape.width - 1), 0);
+  }
+}
+
+TEST(FitTexture, LimitThatIsNoPowerOfTwoIsUsedInHeight) {
+  EXPECT_EQ(fit_texture(4 * 7, 7, "t"), (TextureShape{4, 7}));
+  EXPECT_NE(message_of([] { fit_texture(4 * 7 + 1, 7, "t"); }), "(no error)");
+}
+
+TEST(FitTexture, SaysWhichTableAndWhichSizes) {
+  EXPECT_TRUE(refuses([] { fit_texture(257, 16, "neighbours"); }, "table of neighbours needs 257 rows",
+                      "up to 16 texels a side hold 256"));
+  EXPECT_TRUE(refuses([] { fit_texture(1, 0, "x"); }, "side of a texture is 0"));
+}
+
+// Every entry of `list` points back at its particle, and every place of `vertex` is listed once, in increasing order.
+template <class Vertex>
+void expect_transpose(const RaggedList& list, Index particles, std::size_t places, const Vertex& vertex) {
+  ASSERT_EQ(list.rows(), particles);
+  std::size_t listed = 0;
+  for (Index i = 0; i < particles; ++i) {
+    EXPECT_TRUE(std::is_sorted(list.begin(i), list.end(i)));
+    for (const Index* entry = list.begin(i); entry != list.end(i); ++entry) {
+      EXPECT_EQ(vertex(*entry), i);
+      ++listed;
+    }
+  }
+  std::size_t filled = 0;
+  for (std::size_t p = 0; p < places; ++p) filled += vertex(static_cast<Index>(p)) >= 0 ? 1 : 0;
+  EXPECT_EQ(listed, filled);
+}
+
+TEST(Textures, TransposedListsAreExactInverses) {
+  for (const Body& body : bodies()) {
+    TopologyOptions options{.volume_stiffness = body.name == "tetrahedron" || body.model.dimension == 2 ? 0.0 : 10.0};
+    TopologyTextures t = build_topology(body.model, options);
+    expect_transpose(t.base_of, t.particle_count, 3 * static_cast<std::size_t>(t.base_count),
+                     [&](Index e) { return t.bases[e / 3].vertex[e % 3]; });
+    for (Index i = 0; i < t.particle_count; ++i) {
+      const IndexTexel& texel = t.index[i];
+      for (Index r = texel.first_base; r < texel.first_base + texel.base_count; ++r) EXPECT_EQ(t.base_owner[r], i);
+    }
+    if (options.volume_stiffness > 0.0) {
+      expect_transpose(t.volume_of, t.particle_count, 4 * t.volumes.size(),
+                       [&](Index e) { return t.volumes[e / 4].vertex[e % 4]; });
+    }
+    options.reaction = Reaction::barycentric;
+    t = build_topology(body.model, options);
+    expect_transpose(t.neighbour_of, t.particle_count, static_cast<std::size_t>(t.neighbour_count),
+                     [&](Index e) { return t.neighbours[e]; });
+    for (Index i = 0; i < t.particle_count; ++i) {
+      const IndexTexel& texel = t.index[i];
+      for (Index r = texel.first_neighbour; r < texel.first_neighbour + texel.neighbour_count; ++r) {
+        EXPECT_EQ(t.neighbour_owner[r], i);
+      }
+    }
+    options.law = Law::springs;
+    t = build_topology(body.model, options);
+    expect_transpose(t.spring_of, t.particle_count, 2 * t.springs.size(),
+                     [&](Index e) { return t.springs[e / 2].end[e % 2]; });
+  }
+}
+
+TEST(Textures, OnlyWhatTheReactionNeedsIsFilled) {
+  const Model block = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  TopologyOptions options;
+  for (Reaction reaction : {Reaction::full, Reaction::shared, Reaction::barycentric}) {
+    options.reaction = reaction;
+    const TopologyTextures t = build_topology(block, options);
+    EXPECT_EQ(t.neighbour_of.entry.size(), static_cast<std::size_t>(t.neighbour_count));
+    EXPECT_TRUE(t.base_of.entry.empty() && t.base_owner.empty());
+  }
+  for (Reaction reaction : {Reaction::averaged, Reaction::conservative}) {
+    options.reaction = reaction;
+    const TopologyTextures t = build_topology(block, options);
+    EXPECT_EQ(t.base_of.entry.size(), 3 * static_cast<std::size_t>(t.base_count));
+    EXPECT_TRUE(t.neighbour_of.entry.empty() && t.neighbour_owner.empty());
+    EXPECT_TRUE(t.springs.empty() && t.volumes.empty() && t.domains.empty());
+  }
+}
+
 }  // namespace
+
 }  // namespace phymul::test

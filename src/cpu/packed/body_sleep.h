@@ -8,6 +8,8 @@
 // that hardly moves is held where it is; then it no longer changes, and so no longer wakes others.
 #pragma once
 
+#include <phymul/topology_textures.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -19,9 +21,30 @@
 #include "device/float_range.h"
 #include "packed_body.h"
 #include "part_summary.h"
-#include "sleep_blocks.h"
 
 namespace phymul::cpu {
+
+/// A body of Law::particle_averaged divided into blocks of neighbouring particles, and what their motion depends on.
+/// Block b has the places b * size ... (b + 1) * size - 1. The division depends on nothing but the order of places,
+/// so never on the number of threads.
+struct SleepBlocks {
+  /// Places in a block, a multiple of all lanes. Fewer cost more of a step for their own bookkeeping, more keep more
+  /// particles awake around those that move.
+  static constexpr int size = 128;
+
+  int count = 0;
+  std::vector<std::int32_t> first_reached;  ///< [count + 1] of `reached`
+  std::vector<std::int32_t> reached;        ///< per block: those whose next state depends on its displacements
+  std::vector<std::int32_t> first_further;  ///< [count + 1] of PackedAverages::further
+
+  std::span<const std::int32_t> reach(int block) const {
+    return {reached.data() + first_reached[block], reached.data() + first_reached[block + 1]};
+  }
+  static std::size_t of_quad(std::size_t quad) { return quad / size; }  // quad_of() stays within a slice
+};
+
+/// `body`: of the same tables.
+SleepBlocks make_sleep_blocks(const TopologyTextures& topology, const PackedBody& body);
 
 /// Slices in ascending order, without gaps inside a range.
 class SliceRanges {

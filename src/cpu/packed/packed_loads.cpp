@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "packed_loads.h"
 
-#include <algorithm>
+#include <cstring>
 
-#include "sleep_blocks.h"
+#include "body_sleep.h"
 
 namespace phymul::cpu {
 
@@ -61,6 +61,107 @@ void PackedLoads::point(simd::Move& move) const {
   move.target = target_.empty() ? nullptr : target_.data();
   move.fixed = target_.empty() ? nullptr : fixed_.data();
   for (int a = 0; a < 3; ++a) move.gravity[a] = static_cast<float>(gravity_[a]);
+}
+
+void PackedJoints::follow(JointSet& joints, StiffJoints* stiff, const ToolSet& tools, const PackedBody& body) {
+  at_.clear();
+  reached_.clear();
+  load_.clear();
+  if (joints.empty()) return;
+  std::vector<std::size_t> place_of(body.order.size());
+  for (std::size_t place = 0; place < place_of.size(); ++place) place_of[body.order[place]] = place;
+  const auto lanes = static_cast<std::size_t>(body.lanes);
+  for (const JointSet::Point& point : joints.points()) {
+    const std::size_t place = place_of[point.particle];
+    At& at = at_.emplace_back();
+    at.quad = body.quad_of(place);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      at.velocity[axis] = (3 * (place / lanes) + axis) * lanes + place % lanes;
+    }
+  }
+  if (stiff != nullptr) {
+    for (const StiffJoints::Reached& reached : stiff->reached()) {
+      reached_.push_back({body.quad_of(place_of[reached.particle]), place_of[reached.particle]});
+    }
+  }
+  ways_.reserve(tools.count());
+  load_.assign(4 * static_cast<std::size_t>(body.places), 0.0f);
+}
+
+void PackedJoints::act(JointSet& joints, ToolSet& tools, const TopologyTextures& topology, double dt, simd::Move& move,
+                       std::uint8_t* changed) {
+  const auto* const u = reinterpret_cast<const float*>(move.u);
+  for (std::size_t row = 0; row < at_.size(); ++row) {
+    const At& at = at_[row];
+    JointSet::Point& point = joints.points()[row];
+    const float* const own = u + 4 * at.quad;
+    point.position = topology.rest[point.particle] + Vec3(own[0], own[1], own[2]);
+    point.velocity = Vec3(move.v[at.velocity[0]], move.v[at.velocity[1]], move.v[at.velocity[2]]);
+  }
+  tools.ways(dt, ways_);
+  joints.act(ways_, dt);
+  tools.pull(joints.pulls());
+
+  if (move.load != nullptr) {
+    std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
+  } else {
+    for (const Place& reached : reached_) std::memset(&load_[4 * reached.quad], 0, 4 * sizeof(float));
+  }
+  for (std::size_t row = 0; row < at_.size(); ++row) {
+    At& at = at_[row];
+    float* const load = &load_[4 * at.quad];
+    const Eigen::Vector3f force = joints.points()[row].force.cast<float>();
+    for (int a = 0; a < 3; ++a) {
+      if (changed != nullptr && force[a] != at.force[a]) changed[SleepBlocks::of_quad(at.quad)] = 1;
+      at.force[a] = force[a];
+      load[a] = (move.load != nullptr ? load[a] : 0.0f) + force[a];
+    }
+  }
+  move.load = reinterpret_cast<const char*>(load_.data());
+}
+
+template <class Acceleration>
+void PackedJoints::solve(StiffJoints& stiff, const JointSet& joints, const Scene& scene, double dt, double d,
+                         const simd::Move& move, const Acceleration& acceleration, bool later, char* loads) {
+  const std::span<StiffJoints::Reached> reached = stiff.reached();
+  for (std::size_t row = 0; row < reached_.size(); ++row) {
+    const auto [quad, place] = reached_[row];
+    reached[row].acceleration = acceleration(4 * quad, static_cast<double>(move.inverse_mass[place]));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (move.fixed != nullptr && (move.fixed[place] >> axis & 1) != 0) reached[row].acceleration[axis] = 0.0;
+    }
+  }
+  stiff.act(scene, joints, dt, d, later);
+  auto* const to = reinterpret_cast<float*>(loads);
+  for (std::size_t row = 0; row < reached_.size(); ++row) {
+    for (std::size_t a = 0; a < 3; ++a) to[4 * reached_[row].quad + a] += static_cast<float>(reached[row].force[a]);
+  }
+}
+
+namespace {
+
+Vec3 vector_at(const char* quads, std::size_t at) {
+  const auto* const own = reinterpret_cast<const float*>(quads) + at;
+  return {own[0], own[1], own[2]};
+}
+
+}  // namespace
+
+void PackedJoints::solve(StiffJoints& stiff, const JointSet& joints, const Scene& scene, double dt, double d,
+                         const char* force, simd::Move& move) {
+  const Vec3 gravity(move.gravity[0], move.gravity[1], move.gravity[2]);
+  const auto all = [&](std::size_t at, double inverse_mass) -> Vec3 {
+    return inverse_mass * (vector_at(force, at) + vector_at(move.load, at)) + gravity;
+  };
+  solve(stiff, joints, scene, dt, d, move, all, false, reinterpret_cast<char*>(load_.data()));
+}
+
+void PackedJoints::solve_pushes(StiffJoints& stiff, const JointSet& joints, const Scene& scene, double dt, double d,
+                                const simd::Move& move, char* loads) {
+  const auto pushes = [&](std::size_t at, double inverse_mass) -> Vec3 {
+    return inverse_mass * (vector_at(loads, at) - vector_at(move.load, at));
+  };
+  solve(stiff, joints, scene, dt, d, move, pushes, true, loads);
 }
 
 }  // namespace phymul::cpu

@@ -36,7 +36,6 @@ class RunPacker {
   void finish();
 
  private:
-  bool continues(const std::vector<simd::RunLink>& links) const;
   std::int32_t stencil_of(const std::vector<simd::RunLink>& links);
   void end_run();
 

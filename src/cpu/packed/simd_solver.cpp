@@ -10,16 +10,14 @@
 #include <optional>
 #include <utility>
 
-#include "averaged_passes.h"
 #include "base/denormals.h"
 #include "base/thread_pool.h"
 #include "body_sleep.h"
-#include "clustered_passes.h"
 #include "cpu/simd/instruction_set.h"
 #include "device/float_range.h"
+#include "force_passes.h"
 #include "packed_body.h"
 #include "packed_dissipation.h"
-#include "packed_joints.h"
 #include "packed_loads.h"
 #include "packed_local_steps.h"
 #include "packed_state.h"

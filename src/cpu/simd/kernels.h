@@ -8,9 +8,7 @@
 #include "dissipation_terms.h"
 #include "enumerated_terms.h"
 #include "move.h"
-#include "spring_terms.h"
-#include "volume_terms.h"
-#include "wall_terms.h"
+#include "row_terms.h"
 
 namespace phymul::cpu::PHYMUL_ISA {
 

@@ -58,6 +58,24 @@ Eigen::Matrix4d projection_of(const Camera& camera, double aspect, double near, 
 
 }  // namespace
 
+void Drawing::use() {
+  glUseProgram(program_.id());
+  units_ = 0;
+}
+
+void Drawing::input(const std::string& name, const TextureView& texture) {
+  glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + units_));
+  glBindTexture(GL_TEXTURE_2D, texture.id);
+  set(name.c_str(), units_++);
+  set((name + "_log2").c_str(), texture.log2_width);
+}
+
+void Drawing::draw(std::size_t count) {
+  // gl_VertexID is an int, and so is a count: beyond that many, another call would have to say where it starts.
+  constexpr std::size_t most = 357'913'941;
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(6 * std::min(count, most)));
+}
+
 struct BodyDrawing::Eye {
   Eigen::Matrix4f view, projection;
   Eigen::Vector4f place;  // of the eye, from the centre; w = 0: direction towards it

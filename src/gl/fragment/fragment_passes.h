@@ -18,7 +18,6 @@
 
 #include "fragment_scene.h"
 #include "fragment_state.h"
-#include "fragment_strains.h"
 #include "gl/solver/device.h"
 
 namespace phymul::gl {

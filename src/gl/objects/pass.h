@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "framebuffer.h"
 #include "program.h"
+#include "texture.h"
 
 namespace phymul::gl {
 

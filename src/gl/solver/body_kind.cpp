@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "body_kind.h"
 
+#include <phymul/error.h>
+
 #include <array>
+#include <string>
 
 #include "device/float_tools.h"
 #include "interaction/shape_kind.h"
@@ -122,6 +125,15 @@ void define_tools(bool grids, ShaderRequest& request) {
   if (grids) request.defines.emplace_back("TOOL_GRIDS", 1);
   for (const auto& [name, kind] : shapes) request.defines.emplace_back(name, static_cast<int>(kind));
   define_tool_rows(request);
+}
+
+void require_turns(const ContextInfo& info, LoopTurns turns) {
+  const std::int64_t all = turns.own + turns.gathered;
+  if (all <= info.loop_turns) return;
+  throw Error(ErrorCode::not_supported, "expected at most " + std::to_string(info.loop_turns) +
+                                            " turns of the loops of a shader, which is where " + info.renderer +
+                                            " breaks off, got up to " + std::to_string(all) +
+                                            " for a particle of this body; use fewer bases or another backend");
 }
 
 }  // namespace phymul::gl

@@ -8,6 +8,7 @@
 #include <initializer_list>
 
 #include "device/float_tables.h"
+#include "gl/context/context_info.h"
 #include "gl/objects/shader_source.h"
 #include "load_table.h"
 
@@ -53,5 +54,8 @@ void define_tool_rows(ShaderRequest& request);
 void define_joints(bool on_tools, ShaderRequest& request);
 /// What a pass that tools act in is asked for; `grids`: some are distance grids.
 void define_tools(bool grids, ShaderRequest& request);
+
+/// Throws Error where a particle would take more turns than ContextInfo::loop_turns: forces would be missing.
+void require_turns(const ContextInfo& info, LoopTurns turns);
 
 }  // namespace phymul::gl

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "device/base_layout.h"
+#include "body_kind.h"
 #include "device/float_range.h"
+#include "device/float_tables.h"
 #include "gl/fragment/fragment_device.h"
-#include "gl/objects/loop_turns.h"
 #include "model/tissue_surface.h"
 
 namespace phymul::gl {

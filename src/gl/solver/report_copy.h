@@ -4,8 +4,6 @@
 // device at a time.
 #pragma once
 
-#include "gl/context/gl_api.h"
-
 #include <cstdint>
 #include <vector>
 

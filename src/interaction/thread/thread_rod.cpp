@@ -2,7 +2,6 @@
 #include "thread_rod.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace phymul {

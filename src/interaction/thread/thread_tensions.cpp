@@ -2,7 +2,6 @@
 #include "thread_tensions.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace phymul {
 namespace {

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <ostream>
 
-#include "base/replace_file.h"
+#include "base/files.h"
 
 namespace phymul {
 namespace {

@@ -11,8 +11,7 @@
 #include <string_view>
 
 #include "base/byte_source.h"
-#include "base/file_ending.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "base/place_text.h"
 #include "voxels.h"
 

@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "base/decimal.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "base/place_text.h"
 
 namespace phymul {

@@ -20,8 +20,7 @@
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
-#include "base/file_ending.h"
-#include "base/file_error.h"
+#include "base/files.h"
 
 namespace phymul {
 namespace {

@@ -8,10 +8,9 @@
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "io/xml/xml_source.h"
-#include "lml_targets.h"
-#include "lml_units.h"
+#include "lml_words.h"
 
 namespace phymul {
 namespace {

@@ -6,10 +6,9 @@
 #include <ostream>
 
 #include "base/decimal.h"
-#include "base/replace_file.h"
+#include "base/files.h"
 #include "io/xml/xml_writer.h"
-#include "lml_targets.h"
-#include "lml_units.h"
+#include "lml_words.h"
 
 namespace phymul {
 namespace {

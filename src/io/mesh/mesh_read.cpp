@@ -12,8 +12,7 @@
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
-#include "base/file_ending.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "mesh_parts.h"
 #include "model/file_extras.h"
 

@@ -4,8 +4,6 @@
 // keep or ignore it like any attribute they do not know.
 #pragma once
 
-#include <phymul/model.h>
-
 #include <optional>
 #include <string_view>
 

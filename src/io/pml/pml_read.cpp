@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "base/byte_source.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "model/material.h"
 #include "pml_reader.h"
 

@@ -5,7 +5,6 @@
 #include "base/decimal.h"
 #include "model/body_type.h"
 #include "model/cell_geometry.h"
-#include "model/material.h"
 #include "pml_reader.h"
 
 namespace phymul {

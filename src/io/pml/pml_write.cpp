@@ -6,7 +6,7 @@
 #include <ostream>
 
 #include "base/decimal.h"
-#include "base/replace_file.h"
+#include "base/files.h"
 #include "io/xml/xml_writer.h"
 #include "model/body_type.h"
 #include "model/cell_cutter.h"

@@ -8,8 +8,7 @@
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
-#include "base/file_ending.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "triangle_files.h"
 
 #ifdef PHYMUL_HAS_ASSIMP

@@ -4,12 +4,11 @@
 // Format: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 #include <phymul/error.h>
 
-#include <algorithm>
 #include <bit>
 #include <limits>
 
 #include "base/byte_source.h"
-#include "base/file_ending.h"
+#include "base/files.h"
 #include "io/mesh/mesh_parts.h"
 #include "vtk_cells.h"
 

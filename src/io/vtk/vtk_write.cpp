@@ -14,7 +14,7 @@
 #include <set>
 
 #include "base/decimal.h"
-#include "base/replace_file.h"
+#include "base/files.h"
 #include "io/xml/xml_writer.h"
 #include "vtk_cells.h"
 

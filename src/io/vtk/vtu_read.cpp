@@ -11,7 +11,7 @@
 #include <pugixml.hpp>
 
 #include "base/byte_source.h"
-#include "base/file_error.h"
+#include "base/files.h"
 #include "io/mesh/mesh_parts.h"
 #include "io/xml/xml_source.h"
 #include "vtk_cells.h"

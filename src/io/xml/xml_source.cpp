@@ -7,7 +7,7 @@
 #include <pugixml.hpp>
 
 #include "base/decimal.h"
-#include "base/file_error.h"
+#include "base/files.h"
 
 namespace phymul {
 namespace {
