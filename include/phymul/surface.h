@@ -50,7 +50,7 @@ struct PickRay {
 
 /// Of the particles in front of the origin and within reach of the ray the one nearest to the origin along it; -1:
 /// there is none. Places, [N] m, that are not finite and particles without mass (spare ones, and where all cells are
-/// removed) are passed over. Throws Error for a direction that is none and for another number of places.
+/// removed) are passed over. Throws Error for a direction whose length is 0 or not finite, and for other than N places.
 Index pick_particle(const Model& model, std::span<const Vec3> position, const PickRay& ray);
 
 }  // namespace phymul
