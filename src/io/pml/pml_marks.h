@@ -4,6 +4,8 @@
 // keep or ignore it like any attribute they do not know.
 #pragma once
 
+#include <phymul/types.h>
+
 #include <optional>
 #include <string_view>
 
