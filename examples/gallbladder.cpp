@@ -2,11 +2,14 @@
 //
 // gallbladder [--out DIR] [--quick]: a thin bag filled with bile, held at its neck and lying on a liver. A probe
 // presses it while its duct is closed, so that its pressure rises; then the duct opens and it empties under the probe.
-// Writes force, pressure and volume (gallbladder.csv), and pictures.
+// In the end a clip closes the neck, a blade cuts it off behind the clip, and a grasper lifts it out. Writes force,
+// pressure and volume (gallbladder.csv), and pictures.
 #include <phymul/phymul.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "example_run.h"
 #include "scene_picture.h"
@@ -39,7 +42,8 @@ double enclosed(const std::vector<std::array<phymul::Index, 3>>& triangles, cons
 }
 
 void run(const ExampleOptions& options) {
-  phymul::Model bag = phymul::make_wall(pear(options.quick ? 4.5e-3 : 3e-3), {.material = wall});
+  const phymul::Model bag =
+      with_spare_particles(phymul::make_wall(pear(options.quick ? 4.5e-3 : 3e-3), {.material = wall}), 100);
   const auto triangles = phymul::surface_triangles(bag);
   const double full = enclosed(triangles, bag.rest);
   phymul::Simulation sim(bag, {.backend = "cpu", .damping = {.rate = 15}, .solver = {.threads = 1}});
@@ -54,9 +58,8 @@ void run(const ExampleOptions& options) {
                        {.shape = phymul::HalfSpace{}, .pose = {.position = {0, 0, low - 1e-4}}, .friction = 0.5});
   const Vec3 above(-0.015, 0.0, high + tip.radius + 1e-3);
   const auto probe = sim.scene().add_tool("probe", {.shape = tip, .pose = {.position = above}, .friction = 0.5});
-  std::printf("%d particles, %.1f ml\n", bag.particle_count(), 1e6 * full);
+  std::printf("%d particles and %d spare ones, %.1f ml\n", bag.particle_count() - 100, 100, 1e6 * full);
 
-  ScenePictures pictures(bag);
   ScenePictureOptions sheet;
   sheet.full_scale = 0.012;
   sheet.eye = Vec3(-0.3, -1.0, 0.35);
@@ -66,7 +69,7 @@ void run(const ExampleOptions& options) {
     sheet.title = title;
     sheet.subtitle = subtitle;
     sheet.tools = {{tip, sim.pose_of(probe), probe_colour, "probe"}};
-    pictures.draw(sim.state(), sheet, options.file(file));
+    draw_tissue(sim.model(), sim.state(), sheet, options.file(file));
   };
   Curve curve(options.file("gallbladder.csv"), "time_s,probe_N,pressure_Pa,volume_ml");
   const double depth = 0.013, slow = options.quick ? 0.25 : 1.0;
@@ -104,6 +107,80 @@ void run(const ExampleOptions& options) {
               sim.solver().fluid("bile").pressure);
   require(sim.solver().fluid("bile").volume == left, "bile is lost after the duct was closed");
   require(sim.solver().fluid("bile").pressure < 0.0, "the wall does not suck");
+
+  // A clip across the neck, from below to above, which its applier closes by and by.
+  std::array<std::vector<phymul::Index>, 2> walls;
+  for (const int side : {0, 1}) {
+    walls[side] = bag.particles_in([&](const Vec3& x) {
+      return std::abs(x.x() - 0.6 * half_length) < 2.5e-3 && std::abs(x.y()) < 5e-3 && (x.z() > 0.0) == (side == 1);
+    });
+  }
+  const double open = 0.014, closed = 1e-3, closing = 0.3 * slow;
+  const phymul::ThreadHandle clip_of_neck =
+      sim.scene().add_clip("clip", {.gap = open, .holding = 6.0}, phymul::at_mean(walls[0]), phymul::at_mean(walls[1]));
+  for (double time = 0.0; time < closing; time += tick) {
+    for (const phymul::ThreadTip end : {phymul::ThreadTip::first, phymul::ThreadTip::last}) {
+      clip_of_neck.clamp(end, 6.0, open + (closed - open) * std::min(1.0, 1.2 * time / closing));
+    }
+    advance(sim, tick);
+  }
+
+  // The blade stands upright, its edge across the neck, and cuts downward.
+  const Vec3 over(0.74 * half_length, 0.0, high);
+  const phymul::Quaternion across(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitZ()));
+  const auto blade = sim.scene().add_tool(
+      "blade", {.shape = phymul::Blade{.width = 0.03}, .pose = {.position = over, .orientation = across}});
+  const double cutting = 0.4 * slow;
+  for (double time = 0.0; time < cutting; time += tick) {
+    blade.move_to({.position = over - Vec3(0, 0, 2.5 * high * time / cutting), .orientation = across});
+    advance(sim, tick);
+  }
+  sim.scene().remove_tool("blade");
+  int parts = 0;
+  for (const phymul::ConnectedBody& part : connected_bodies(sim.model())) {
+    constexpr double crumb = 1e-8;  // m^3
+    if (part.volume > crumb) ++parts;
+    if (part.volume <= crumb) sim.remove_cells(part.cells);
+  }
+  require(parts == 2, "the blade does not cut the neck through");
+  require(sim.scene().any_volume_open(), "a cut bag keeps its bile");
+
+  const phymul::State cut = sim.state();
+  Vec3 grasped(-0.015, 0.0, low);
+  for (const auto& triangle : triangles) {
+    const Vec3& place = cut.position[triangle[0]];
+    if (std::hypot(place.x() - grasped.x(), place.y()) < 6e-3) grasped.z() = std::max(grasped.z(), place.z());
+  }
+  const phymul::Sphere jaw{4e-3};
+  grasped.z() += jaw.radius;
+  const auto grasper = sim.scene().add_tool("grasper", {.shape = jaw, .pose = {.position = grasped}});
+  grasper.grasp(3e-3);
+  for (double time = 0.0; time < slow; time += tick) {
+    grasper.move_to({.position = grasped + Vec3(0, 0, 0.03 * std::min(1.0, 1.3 * time / slow))});
+    advance(sim, tick);
+  }
+  const phymul::State lifted = sim.state();
+  std::array<Vec3, 2> clip{Vec3::Zero(), Vec3::Zero()};
+  for (const int side : {0, 1}) {
+    for (const phymul::Index i : walls[side])
+      clip[side] += lifted.position[i] / static_cast<double>(walls[side].size());
+  }
+  const double held = sim.force_on(grasper).mean_force.norm();
+  sheet.title = "4. Clipped, cut off and lifted out";
+  sheet.subtitle =
+      text("%.3f N at the grasper, %.1f mm between the walls under the clip", held, 1e3 * (clip[1] - clip[0]).norm());
+  sheet.full_scale = 0.04;
+  sheet.frame.insert(sheet.frame.end(), lifted.position.begin(), lifted.position.end());
+  sheet.frame.push_back(sim.pose_of(grasper).position + Vec3(0, 0, 2.0 * jaw.radius));
+  const phymul::Quaternion along = phymul::Quaternion::FromTwoVectors(Vec3::UnitZ(), clip[1] - clip[0]);
+  sheet.tools = {{jaw, sim.pose_of(grasper), probe_colour, "grasper"},
+                 {phymul::Capsule{1.2e-3, 8e-3},
+                  {.position = 0.5 * (clip[0] + clip[1]), .orientation = along},
+                  {0.3, 0.3, 0.35, 1.0},
+                  "clip"}};
+  draw_tissue(sim.model(), lifted, sheet, options.file("gallbladder_4.png"));
+  require((clip[1] - clip[0]).norm() < 2e-3, "the clip does not hold");
+  require(held > 0.0, "nothing is lifted");
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ struct ConnectedBody {
   std::string name;              ///< the shortest one of a group of just these particles; empty: there is none
   std::vector<Index> particles;  ///< sorted
   std::vector<Index> cells;      ///< rows of Model::cells, ascending
-  double volume = 0.0;           ///< m^3, of those that fill space (2-D: m^2), at rest
+  double volume = 0.0;           ///< m^3 (2-D: m^2), at rest; walls by their thickness
 };
 std::vector<ConnectedBody> connected_bodies(const Model& model);  ///< by first particle
 

@@ -122,23 +122,24 @@ struct CutSurface {
 };
 CutSurface cut_plane(const Vec3& point, const Vec3& normal);  ///< throws Error for a normal that is 0 or not finite
 
-/// A body of tetrahedra with a cut, by virtual nodes. Nothing of the mesh moves: a cell that the surface crosses behind
-/// the front becomes two over the same places, each with its Cell::share of the volume, and particles get copies (after
-/// all particles there were) so that the two sides hold together as far as they do beside the cut. Volume and mass are
-/// kept. `copies`, if not null, gets the particle that each added one copies. A body may be cut again, up to three
-/// times through a cell. A particle within a tenth of its shortest edge of the surface lies on it; a cell is cut when
-/// the edge, led by 0.3 spacings, passes the middle of its section. Groups get the copies of particles that lie on the
-/// surface. Of copies the one with the particle's number is that on its own side of the cut; the others only carry
-/// their cells. Under Scene::contacts the faces of the cut touch; tools go through them. Set the materials before.
+/// A body of tetrahedra or walls with a cut, by virtual nodes. Nothing of the mesh moves: a cell that the surface
+/// crosses behind the front becomes two over the same places, each with its Cell::share of the volume, and particles
+/// get copies (after all particles there were) so that the two sides hold together as far as they do beside the cut.
+/// Volume and mass are kept. `copies`, if not null, gets the particle that each added one copies. A body may be cut
+/// again, up to three times through a cell. A particle within a tenth of its shortest edge of the surface lies on it; a
+/// cell is cut when the edge, led by 0.3 spacings, passes the middle of its section. Groups get the copies of particles
+/// that lie on the surface. Of copies the one with the particle's number is that on its own side of the cut; the others
+/// only carry their cells. Under Scene::contacts the faces of the cut touch; tools go through them. Set the materials
+/// before. Triangles of walls are cut as tetrahedra are; a clamped edge (clamp_edges) that is crossed is free there.
 /// Throws Error (not_supported) where a cell that fills space is no tetrahedron, or would be cut a fourth time, and for
 /// a distance that is not finite.
 Model cut_body(Model model, const CutSurface& cut, std::vector<Index>* copies = nullptr);
 
 /// The same body with room for the copies of so many particles, which cuts of a running Simulation need: particles
-/// without mass, cell and neighbour, after all others. About 2.3 are used for each square spacing of cut surface. They
-/// are particles like others in every state, picture and file, and rest at the place of the first one until a cut uses
-/// them; Model::particles_in() and displacement_norms() leave them out. Throws Error for a negative number and a body
-/// without cells.
+/// without mass, cell and neighbour, after all others. About 2.3 are used for each square spacing of cut surface, and
+/// for each spacing of a cut through a wall. They are particles like others in every state, picture and file, and rest
+/// at the place of the first one until a cut uses them; Model::particles_in() and displacement_norms() leave them out.
+/// Throws Error for a negative number and a body without cells.
 Model with_spare_particles(Model model, Index count);
 
 }  // namespace phymul

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What one cut changed of a body of tetrahedra, as data: with it the cut can be made and undone without its surface.
+// What one cut changed of a body of tetrahedra or walls, as data: with it the cut can be made and undone without its surface.
 #pragma once
 
 #include <phymul/model.h>
@@ -16,7 +16,7 @@ namespace phymul {
 struct BodyCut {
   /// What a cut changes of a Cell.
   struct Part {
-    std::array<Index, 4> particles{};
+    std::array<Index, 4> particles{};  ///< of a triangle -1 in the last place
     double share = 1.0;
     std::vector<CellCut> cuts{};
     bool operator==(const Part&) const = default;

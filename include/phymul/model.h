@@ -55,8 +55,8 @@ struct Cell {
   /// Of its rest volume, filled by tissue: 1; less where it is part of a cut cell (cut_body); 0 once
   /// Simulation::remove_cells has removed it. A removed cell keeps its row, and is in no volume, mass, surface or law.
   double share = 1.0;
-  /// Of a tetrahedron, each cut through it: tissue is where the linear function with these values at its particles, m,
-  /// is above 0. They make its share.
+  /// Of a tetrahedron or a triangle of a wall, each cut through it: tissue is where the linear function with these
+  /// values at its particles, m, is above 0. They make its share.
   std::vector<CellCut> cuts{};
   bool operator==(const Cell&) const = default;
 };

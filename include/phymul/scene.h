@@ -322,7 +322,7 @@ class Scene {
   bool any_volume_open() const;  ///< is_open() of one or more
   /// Whether a triangle of this volume constraint is no longer at a cell (body_changed()): then its volume is not kept.
   bool is_open(std::size_t volume) const { return volume < open_volumes_.size() && open_volumes_[volume] != 0; }
-  const std::optional<ContactOptions>& contacts() const { return contacts_; }
+  [[nodiscard]] const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
   /// Says that cells of the model were removed, brought back or cut (Simulation calls it): what depends on

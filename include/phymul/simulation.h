@@ -62,7 +62,7 @@ class Simulation {
   /// Sets the materials and builds the tables. Throws Error as set_material(), Scene and build_topology() do, and for
   /// an option out of its range.
   explicit Simulation(Model model, SimulationOptions options = {});
-  /// Several bodies in one model. They touch each other if Scene::contacts() is called. Throws Error also as
+  /// Several bodies in one model. They touch each other if Scene::contacts({}) is called. Throws Error also as
   /// merge_models() does.
   explicit Simulation(std::vector<SimulationBody> bodies, SimulationOptions options = {});
   ~Simulation();

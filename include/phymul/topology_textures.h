@@ -191,6 +191,7 @@ struct TopologyTextures {
   /// Domains whose rows, or whose particles' masses, changed: in order of the changes, so that a domain may recur.
   /// Numbers of particles and domains stay. A domain without a cell keeps its volume and has no links.
   std::vector<Index> edited;
+  std::size_t edits = 0;                     ///< number of changes, those of `edited` and of walls and their masses
   BodyCuts cuts;                             ///< those made and not undone, in order (Simulation::cut)
   std::vector<std::array<Index, 2>> copied;  ///< of all cuts made: a copy, and the particle that it copies
   double stiffened = 1.0;              ///< a bound, >= 1, of the factor by which that raised the largest eigenvalue

@@ -31,7 +31,7 @@ void append_particles(Model& model, std::size_t count) {
 Model with_spare_particles(Model model, Index count) {
   validate(model);
   if (count < 0) throw Error("with_spare_particles: expected a number of 0 or more, got " + std::to_string(count));
-  if (std::ranges::none_of(model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell); })) {
+  if (std::ranges::none_of(model.cells, [&](const Cell& cell) { return cell.share > 0.0 && is_tissue(model, cell); })) {
     throw Error(ErrorCode::not_supported, "with_spare_particles: expected a body of cells, got one without");
   }
   append_particles(model, static_cast<std::size_t>(count));
@@ -43,11 +43,11 @@ Model cut_body(Model model, const CutSurface& cut, std::vector<Index>* copies) {
   std::vector<std::vector<Index>> cells_of(model.rest.size());
   std::vector<Index> cells;
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
-    if (!is_solid(model.dimension, model.cells[row])) continue;
+    if (model.cells[row].share == 0.0 || !is_tissue(model, model.cells[row])) continue;
     cells.push_back(row);
     for (const Index i : model.cells[row].particles) cells_of[i].push_back(row);
   }
-  if (cells.empty()) throw Error("cut_body: expected a body of tetrahedra, got none");
+  if (cells.empty()) throw Error("cut_body: expected a body of tetrahedra or a wall, got none");
   const CutPlaces places(model, cells, cut, "cut_body");
   const std::vector<Index> spare = spare_particles_of(model);
   const CutBody body{.model = model,
@@ -57,7 +57,7 @@ Model cut_body(Model model, const CutSurface& cut, std::vector<Index>* copies) {
                          [&](Index row) {
                            const Cell& cell = model.cells[row];
                            const double density = cell.material < 0 ? 1.0 : model.materials[cell.material].density;
-                           return 0.25 * density * signed_measure(model.dimension, cell, model.rest);
+                           return density * tissue_volume(model, cell) / static_cast<double>(cell.particles.size());
                          },
                      .spare =
                          [&](std::size_t k) {

@@ -20,16 +20,13 @@ namespace phymul {
 /// Refers to its arguments.
 class CutPlaces {
  public:
-  /// `cells`: rows of all solid cells, ascending. Throws Error for a distance that is not finite.
+  /// `cells`: rows of all tissue, ascending. Throws Error for a distance that is not finite.
   CutPlaces(const Model& model, std::span<const Index> cells, const CutSurface& surface, const char* who)
       : model_(model), surface_(surface), who_(who), distance_(model.rest.size(), 0.0) {
     if (!surface.distance) throw Error(std::string(who) + ": expected CutSurface::distance");
     std::vector<double> shortest(model.rest.size(), HUGE_VAL);
-    double volume = 0.0;
-    std::size_t particles = 0;
     for (const Index row : cells) {
       const Cell& cell = model.cells[row];
-      volume += signed_measure(model.dimension, cell, model.rest);
       for (const Index i : cell.particles) {
         for (const Index j : cell.particles) {
           if (i != j) shortest[i] = std::min(shortest[i], (model.rest[i] - model.rest[j]).norm());
@@ -38,12 +35,11 @@ class CutPlaces {
     }
     for (std::size_t i = 0; i < shortest.size(); ++i) {
       if (shortest[i] == HUGE_VAL) continue;
-      ++particles;
       const double distance = surface.distance(model.rest[i]);
       if (!std::isfinite(distance)) throw Error(std::string(who) + ": expected finite distances to the surface");
       distance_[i] = std::abs(distance) < on_cut_surface * shortest[i] ? 0.0 : distance;
     }
-    spacing_ = std::cbrt(volume / static_cast<double>(particles));
+    spacing_ = tissue_spacing(model, cells);
     for (const Index row : cells) {
       const auto [least, most] =
           std::ranges::minmax(model.cells[row].particles, {}, [&](Index i) { return distance_[i]; });
@@ -58,8 +54,9 @@ class CutPlaces {
                 [this](Index row, const Eigen::Vector4d& middle) {
                   if (!surface_.front) return true;
                   Vec3 place = Vec3::Zero();
-                  for (std::size_t v = 0; v < 4; ++v) {
-                    place += middle[static_cast<Eigen::Index>(v)] * model_.rest[model_.cells[row].particles[v]];
+                  const std::vector<Index>& particles = model_.cells[row].particles;
+                  for (std::size_t v = 0; v < particles.size(); ++v) {
+                    place += middle[static_cast<Eigen::Index>(v)] * model_.rest[particles[v]];
                   }
                   return surface_.front(place) < lead_of_front * spacing_;
                 },

@@ -90,9 +90,8 @@ class ReferenceSolver final : public SolverBackend {
     scene().evaluate(state_.time, frame());
   }
 
-  void do_body_changed(std::span<const Index> domains) override {
-    for (const Index d : domains) {
-      const Index i = topology().domains[d].particle;
+  void do_body_changed(std::span<const Index> /*domains*/) override {
+    for (Index i = 0; i < topology().particle_count; ++i) {
       if (topology().mass[i] > 0.0) continue;
       state_.position[i] = topology().rest[i];
       state_.velocity[i].setZero();

@@ -9,7 +9,7 @@ namespace phymul {
 
 const TopologyTextures& ScaledTables::of(const TopologyTextures& topology, std::span<const double> factors) {
   if (factors.empty()) return topology;
-  const bool same_body = scaled_ && scaled_->edited.size() == topology.edited.size();
+  const bool same_body = scaled_ && scaled_->edits == topology.edits;
   if (same_body && std::ranges::equal(factors, factors_)) return *scaled_;
   if (!same_body) scaled_ = topology;
   const std::size_t moduli = kind_of(topology.options.strain_energy).moduli;

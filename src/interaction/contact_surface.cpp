@@ -39,7 +39,7 @@ class SurfaceBuilder {
 
   /// Of a body with cuts its part of the tissue's surface. Edges are those of cells, not of the pieces that a cut makes
   /// of their faces.
-  void add_tissue(const TissueSurface& tissue, const VecList& place, Index body) {
+  void add_tissue(const TissueSurface& tissue, const VecList& place, Index body, bool solid) {
     const std::size_t first = surface_.particles.size();
     if (surface_.is_cut.size() <= static_cast<std::size_t>(body)) surface_.is_cut.resize(body + 1, 0);
     surface_.is_cut[body] = 1;
@@ -74,7 +74,7 @@ class SurfaceBuilder {
       surface_.triangles.push_back({.corner = {slot[corner[0]], slot[corner[1]], slot[corner[2]]},
                                     .body = body,
                                     .edge = edge,
-                                    .has_inside = true,
+                                    .has_inside = solid,
                                     .of_cut = of_cut,
                                     .normal = of_cut ? area.normalized() : Vec3(Vec3::Zero())});
     }
@@ -203,7 +203,7 @@ ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer)
   SurfaceBuilder builder(model, surface);
   for (Index body = 0; body < rows.count; ++body) {
     if (kind[body].cut) {
-      builder.add_tissue(tissue, place, body);
+      builder.add_tissue(tissue, place, body, kind[body].solid);
     } else {
       builder.add(facets[body], body, kind[body].solid);
     }

@@ -23,14 +23,15 @@ constexpr double no_share = 1e-9;
 constexpr std::size_t most_cuts = 3;  // through a cell
 
 BodyCut::Part part_of(const Cell& cell) {
-  BodyCut::Part part{{}, cell.share, cell.cuts};
+  BodyCut::Part part{{-1, -1, -1, -1}, cell.share, cell.cuts};
   std::ranges::copy(cell.particles, part.particles.begin());
   return part;
 }
 
-/// Whether it divides the cell, and does not only lie on one of its faces.
+/// Whether it divides the cell, and does not only lie on one of its sides.
 bool divides(const CellCut& cut) {
-  return std::ranges::count(cut, 0.0) < 3;
+  return std::ranges::any_of(cut, [](double value) { return value > 0.0; }) &&
+         std::ranges::any_of(cut, [](double value) { return value < 0.0; });
 }
 
 class CellCutter {
@@ -40,7 +41,9 @@ class CellCutter {
   BodyCut run() {
     for (const Index row : cut_.cells) consider(row);
     std::vector<Index> corners;
-    for (const Piece& piece : pieces_) corners.insert(corners.end(), piece.before.begin(), piece.before.end());
+    for (const Piece& piece : pieces_) {
+      std::ranges::copy_if(piece.before, std::back_inserter(corners), [](Index i) { return i >= 0; });
+    }
     std::ranges::sort(corners);
     const auto again = std::ranges::unique(corners);
     corners.erase(again.begin(), again.end());
@@ -61,25 +64,28 @@ class CellCutter {
   /// A cell, or one of the two parts of one.
   struct Piece {
     Index row = -1;
-    bool is_added = false;  // the second part
-    std::array<Index, 4> before{};
+    bool is_added = false;                        // the second part
+    std::array<Index, 4> before{-1, -1, -1, -1};  // of a triangle the first three
     BodyCut::Part now{};
     double corner_mass = 0.0;  // kg
   };
+  /// A face of a tetrahedron; an edge of one beside a wall; a triangle of a wall, or one of its edges.
   struct Face {
-    std::array<Index, 2> others;  // particles besides the one at hand, ascending
+    std::array<Index, 2> others;  // particles besides the one at hand, ascending; -1 first: of an edge
     std::size_t piece;
   };
 
-  void require_tetrahedron(Index row) const {
-    if (body_.model.cells[row].type == CellType::tetrahedron) return;
-    throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": expected a body of tetrahedra; " +
-                                              cell_label(body_.model, static_cast<std::size_t>(row)) + " is none");
+  bool is_wall_row(Index row) const { return is_of_wall(body_.model, body_.model.cells[row]); }
+
+  void require_known(Index row) const {
+    if (body_.model.cells[row].type == CellType::tetrahedron || is_wall_row(row)) return;
+    throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": expected a body of tetrahedra or walls; " +
+                                              cell_label(body_.model, static_cast<std::size_t>(row)) + " is neither");
   }
 
   void add_piece(Index row, bool is_added, BodyCut::Part now) {
     const Cell& cell = body_.model.cells[row];
-    require_tetrahedron(row);
+    require_known(row);
     Piece& piece = pieces_.emplace_back();
     piece.row = row;
     piece.is_added = is_added;
@@ -89,14 +95,15 @@ class CellCutter {
     if (!is_added) piece_of_[row] = pieces_.size() - 1;
   }
 
-  /// A cell that the surface crosses behind the front is parted; one that lies on it with a face keeps that in mind.
+  /// A cell that the surface crosses behind the front is parted; one that lies on it with a side keeps that in mind.
   void consider(Index row) {
-    require_tetrahedron(row);
+    require_known(row);
     const Cell& cell = body_.model.cells[row];
+    const std::size_t corners = cell.particles.size();
     CellCut cut{};
     int above = 0, below = 0, points = 0;
     Eigen::Vector4d middle = Eigen::Vector4d::Zero();  // of the section
-    for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t a = 0; a < corners; ++a) {
       cut[a] = cut_.distance(cell.particles[a]);
       if (!std::isfinite(cut[a])) throw Error(std::string(cut_.who) + ": expected finite distances to the surface");
       above += cut[a] > 0.0 ? 1 : 0;
@@ -104,7 +111,7 @@ class CellCutter {
     }
     const bool crosses = above > 0 && below > 0, lies_on = above + below == 1;
     if (!crosses && !lies_on) return;
-    for (Eigen::Index a = 0; a < 4; ++a) {
+    for (Eigen::Index a = 0; a < static_cast<Eigen::Index>(corners); ++a) {
       const double at_a = cut[static_cast<std::size_t>(a)];
       if (at_a == 0.0) {
         middle[a] += 1.0;
@@ -121,17 +128,18 @@ class CellCutter {
     }
     if (!cut_.passed(row, middle / points)) return;
     BodyCut::Part first = part_of(cell);
-    const CellCut other_way{-cut[0], -cut[1], -cut[2], -cut[3]};
+    CellCut other_way{};
+    for (std::size_t a = 0; a < corners; ++a) other_way[a] = -cut[a];
     const CellCut& own_way = lies_on && below > 0 ? other_way : cut;
     if (std::ranges::find(first.cuts, own_way) != first.cuts.end()) return;
     // What earlier cuts left of it may lie on one side.
-    const double whole = tissue_share(first.cuts);
+    const double whole = tissue_share(first.cuts, corners);
     first.cuts.push_back(own_way);
     if (lies_on) {
       add_piece(row, false, std::move(first));
       return;
     }
-    const double share = tissue_share(first.cuts) / whole;
+    const double share = tissue_share(first.cuts, corners) / whole;
     if (share < no_share || share > 1.0 - no_share) return;
     if (std::ranges::count_if(first.cuts, divides) > static_cast<std::ptrdiff_t>(most_cuts)) {
       if (cut_.refused != nullptr) {
@@ -154,16 +162,18 @@ class CellCutter {
   void look_around(Index particle) {
     around_.clear();
     faces_.clear();
+    bool has_wall = false;
     for (const Index row : body_.cells_of[particle]) {
       if (body_.model.cells[row].share == 0.0) continue;
       if (!piece_of_.contains(row)) add_piece(row, false, part_of(body_.model.cells[row]));
+      has_wall = has_wall || is_wall_row(row);
       const std::size_t first = piece_of_.at(row);
       around_.push_back(first);
       const bool parted = first + 1 < pieces_.size() && pieces_[first + 1].is_added;
       if (parted) around_.push_back(first + 1);
     }
     for (std::size_t k = 0; k < around_.size(); ++k) {
-      std::array<Index, 3> others{};
+      std::array<Index, 3> others{};  // -1 first: of a triangle
       std::size_t count = 0;
       for (const Index i : pieces_[around_[k]].before) {
         if (i != particle) others[count++] = i;
@@ -172,13 +182,27 @@ class CellCutter {
       faces_.push_back({{others[0], others[1]}, k});
       faces_.push_back({{others[0], others[2]}, k});
       faces_.push_back({{others[1], others[2]}, k});
+      if (!has_wall || others[0] < 0) continue;
+      for (const Index other : others) faces_.push_back({{-1, other}, k});
     }
     std::ranges::sort(faces_, {}, [](const Face& face) { return std::pair(face.others, face.piece); });
   }
 
-  /// Whether two pieces of different cells are one body across the face that these have in common.
+  /// Whether two pieces of different cells are one body across the face, or the edge, that these have in common.
+  /// Tetrahedra have edges in common with walls alone.
   bool meet(const Piece& a, const Piece& b, const std::array<Index, 3>& face) {
+    if (face[1] < 0 && !is_wall_row(a.row) && !is_wall_row(b.row)) return false;
     if (a.now.cuts.empty() && b.now.cuts.empty()) return true;
+    if (face[1] < 0) {
+      // A tetrahedron that only has an edge in common with a cut does not know of it.
+      const auto along_edge = [&](const Piece& piece) {
+        const std::size_t first = corner_of(piece, face[0]), last = corner_of(piece, face[2]);
+        return std::ranges::any_of(piece.now.cuts,
+                                   [&](const CellCut& cut) { return cut[first] == 0.0 && cut[last] == 0.0; });
+      };
+      if (is_wall_row(a.row) != is_wall_row(b.row) && (along_edge(a) || along_edge(b))) return false;
+      return tissue_in_common(a.before, a.now.cuts, b.before, b.now.cuts, {face[0], face[2]}) > no_share;
+    }
     cuts_of_face_.clear();
     add_cuts_of_face(a.before, a.now.cuts, face, cuts_of_face_);
     add_cuts_of_face(b.before, b.now.cuts, face, cuts_of_face_);
@@ -260,7 +284,8 @@ class CellCutter {
 };
 
 void set(const BodyCut::Part& part, Cell& cell) {
-  std::ranges::copy(part.particles, cell.particles.begin());
+  std::ranges::copy_n(part.particles.begin(), static_cast<std::ptrdiff_t>(cell.particles.size()),
+                      cell.particles.begin());
   cell.share = part.share;
   cell.cuts = part.cuts;
 }

@@ -3,7 +3,8 @@
 // Cuts by virtual nodes: a cut cell becomes two cells over the same places, each with its share of the volume, and a
 // particle gets a copy for each group of parts around it that the cut leaves connected (N. Molino, Z. Bao, R. Fedkiw,
 // "A virtual node algorithm for changing mesh topology during simulation", ACM Trans. Graph. 23 (2004) 385-392; here
-// parts count by their share, so that neither mass nor stiffness doubles and the stable step stays).
+// parts count by their share, so that neither mass nor stiffness doubles and the stable step stays). Triangles of walls
+// are cut as tetrahedra are: their sides are edges in place of faces.
 #pragma once
 
 #include <phymul/body_cut.h>
@@ -26,7 +27,7 @@ constexpr double on_cut_surface = 0.1;
 struct CutBody {
   const Model& model;
   const std::vector<std::vector<Index>>&
-      cells_of;                     ///< [N] rows of solid cells, ascending; removed ones are passed over
+      cells_of;                     ///< [N] rows of its tissue (is_tissue), ascending; removed ones are passed over
   const std::vector<double>& mass;  ///< [N] kg, while no cell is removed
   std::function<double(Index row)> mass_of_corner;  ///< kg, of a corner of this cell, while no cell is removed
   std::function<Index(std::size_t)> spare;          ///< particle for the copy of this number
@@ -34,9 +35,10 @@ struct CutBody {
 
 /// Where a blade went.
 struct CutCells {
-  std::span<const Index> cells;           ///< that it may have crossed: rows of solid tetrahedra, ascending
+  std::span<const Index> cells;           ///< that it may have crossed: rows of tissue, ascending
   std::function<double(Index)> distance;  ///< of a particle from the surface, signed; 0: it passes through
-  /// Whether the edge has passed the middle of a section, whose barycentric coordinates these are.
+  /// Whether the edge has passed the middle of a section, whose barycentric coordinates these are: of a triangle the
+  /// first three.
   std::function<bool(Index row, const Eigen::Vector4d& middle)> passed;
   const char* who = "cut_body";  ///< begins messages
   /// Not null: what it would throw for is left as it is, and the cells are counted here.

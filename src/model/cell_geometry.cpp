@@ -114,6 +114,25 @@ bool is_solid(int dimension, CellType type) {
   return type == CellType::triangle || type == CellType::quad;
 }
 
+double tissue_volume(const Model& model, const Cell& cell) {
+  if (!is_of_wall(model, cell)) return signed_measure(model.dimension, cell, model.rest);
+  return cell.share * model.materials[cell.material].thickness * area_vector(cell.particles, model.rest).norm();
+}
+
+double tissue_spacing(const Model& model, std::span<const Index> rows) {
+  double volume = 0.0, area = 0.0;
+  std::vector<char> in_space(model.rest.size(), 0), in_wall(model.rest.size(), 0);
+  for (const Index row : rows) {
+    const Cell& cell = model.cells[row];
+    const bool wall = is_of_wall(model, cell);
+    (wall ? area : volume) += wall ? cell.share * area_vector(cell.particles, model.rest).norm()
+                                   : signed_measure(model.dimension, cell, model.rest);
+    for (const Index i : cell.particles) (wall ? in_wall : in_space)[i] = 1;
+  }
+  const auto count = [](const std::vector<char>& in) { return static_cast<double>(std::ranges::count(in, 1)); };
+  return volume > 0.0 ? std::cbrt(volume / count(in_space)) : std::sqrt(area / count(in_wall));
+}
+
 double signed_measure(int dimension, const Cell& cell, std::span<const Vec3> position) {
   if (!is_solid(dimension, cell)) return 0.0;
   return cell.share * (dimension == 3 ? signed_volume(cell.type, cell.particles, position)

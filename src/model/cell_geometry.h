@@ -49,12 +49,27 @@ inline bool is_solid(int dimension, const Cell& cell) {
   return cell.share > 0.0 && is_solid(dimension, cell.type);
 }
 
-/// True for the triangles of walls (Law::walls).
-inline bool is_wall(const Model& model, const Cell& cell) {
-  return model.dimension == 3 && cell.type == CellType::triangle && cell.share > 0.0 && cell.material >= 0 &&
+/// True for the triangles of walls (Law::walls), removed ones included.
+inline bool is_of_wall(const Model& model, const Cell& cell) {
+  return model.dimension == 3 && cell.type == CellType::triangle && cell.material >= 0 &&
          static_cast<std::size_t>(cell.material) < model.materials.size() &&
          model.materials[cell.material].thickness > 0.0;
 }
+inline bool is_wall(const Model& model, const Cell& cell) {
+  return cell.share > 0.0 && is_of_wall(model, cell);
+}
+
+/// Whether it fills space or is of a wall, removed cells included: what cuts part.
+inline bool is_tissue(const Model& model, const Cell& cell) {
+  return is_solid(model.dimension, cell.type) || is_of_wall(model, cell);
+}
+
+/// m^3 (m^2 in 2-D) of the tissue in such a cell, walls by their thickness; negative if it is inside out.
+double tissue_volume(const Model& model, const Cell& cell);
+
+/// m, of a body in 3-D with these rows of tissue: the cube root of the volume per particle of its cells in space; of a
+/// wall alone the root of its area per particle.
+double tissue_spacing(const Model& model, std::span<const Index> rows);
 
 /// Calls visit(particles) for every face of a 3-D cell, or every edge of a 2-D cell. `particles` has four entries, in
 /// order around the face. A triangle fills the last one with -1, an edge the last two.

@@ -21,6 +21,28 @@ double volume_of(const CutPiece& piece) {
   return std::abs(corners.determinant());
 }
 
+/// Sutherland and Hodgman's clipping of a triangle.
+double share_of_face(std::span<const FaceCut> cuts) {
+  std::vector<Vec3> polygon{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, clipped;
+  for (const FaceCut& cut : cuts) {
+    if (cut[0] == 0.0 && cut[1] == 0.0 && cut[2] == 0.0) continue;  // the face lies on the cut: it bounds the tissue
+    const Vec3 values(cut[0], cut[1], cut[2]);
+    clipped.clear();
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Vec3 &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
+      const double here = values.dot(from), there = values.dot(to);
+      if (here >= 0.0) clipped.push_back(from);
+      if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
+    }
+    polygon.swap(clipped);
+  }
+  Vec3 area = Vec3::Zero();
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    area += (polygon[k - 1] - polygon[0]).cross(polygon[k] - polygon[0]);
+  }
+  return area.norm() / std::sqrt(3.0);
+}
+
 /// The part of a piece where a function is above 0, as tetrahedra: of four, three, two, one or no corner.
 void add_part_above(const CutPiece& piece, const CellCut& cut, std::vector<CutPiece>& parts) {
   const Barycentric values(cut[0], cut[1], cut[2], cut[3]);
@@ -57,7 +79,12 @@ void add_part_above(const CutPiece& piece, const CellCut& cut, std::vector<CutPi
 
 }  // namespace
 
-double tissue_share(std::span<const CellCut> cuts) {
+double tissue_share(std::span<const CellCut> cuts, std::size_t corners) {
+  if (corners == 3) {
+    std::vector<FaceCut> of_face;
+    for (const CellCut& cut : cuts) of_face.push_back({cut[0], cut[1], cut[2]});
+    return share_of_face(of_face);
+  }
   std::vector<CutPiece> pieces{
       {Barycentric::Unit(0), Barycentric::Unit(1), Barycentric::Unit(2), Barycentric::Unit(3)}},
       parts;
@@ -71,26 +98,34 @@ double tissue_share(std::span<const CellCut> cuts) {
   return sum;
 }
 
-/// Sutherland and Hodgman's clipping of a convex polygon.
 bool has_tissue(std::span<const FaceCut> cuts) {
-  std::vector<Vec3> polygon{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, clipped;
-  for (const FaceCut& cut : cuts) {
-    if (cut[0] == 0.0 && cut[1] == 0.0 && cut[2] == 0.0) continue;  // the face lies on the cut: it bounds the tissue
-    const Vec3 values(cut[0], cut[1], cut[2]);
-    clipped.clear();
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const Vec3 &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
-      const double here = values.dot(from), there = values.dot(to);
-      if (here >= 0.0) clipped.push_back(from);
-      if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
+  return share_of_face(cuts) > no_area;
+}
+
+double tissue_in_common(std::span<const Index> of_a, std::span<const CellCut> cuts_of_a, std::span<const Index> of_b,
+                        std::span<const CellCut> cuts_of_b, const std::array<Index, 2>& side) {
+  double from = 0.0, to = 1.0;
+  const auto cut = [&](std::span<const Index> particles, std::span<const CellCut> cuts) {
+    bool along = false;
+    for (const CellCut& values : cuts) {
+      const auto value = [&](Index i) {
+        return values[static_cast<std::size_t>(std::ranges::find(particles, i) - particles.begin())];
+      };
+      const double first = value(side[0]), last = value(side[1]);
+      along = along || (first == 0.0 && last == 0.0);
+      const double at = first / (first - last);
+      if (first <= 0.0 && last <= 0.0 && first + last < 0.0) to = from;
+      if (first < 0.0 && last > 0.0) from = std::max(from, at);
+      if (first > 0.0 && last < 0.0) to = std::min(to, at);
     }
-    polygon.swap(clipped);
-  }
-  Vec3 area = Vec3::Zero();
-  for (std::size_t k = 2; k < polygon.size(); ++k) {
-    area += (polygon[k - 1] - polygon[0]).cross(polygon[k] - polygon[0]);
-  }
-  return area.norm() > no_area;
+    return along;
+  };
+  const bool along_a = cut(of_a, cuts_of_a), along_b = cut(of_b, cuts_of_b);
+  return along_a && along_b ? 0.0 : std::max(0.0, to - from);
+}
+
+double tissue_in_common(const Cell& a, const Cell& b, const std::array<Index, 2>& side) {
+  return tissue_in_common(a.particles, a.cuts, b.particles, b.cuts, side);
 }
 
 void add_cuts_of_face(std::span<const Index> particles, std::span<const CellCut> of_cell,

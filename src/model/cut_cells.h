@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What cuts leave of a tetrahedron (Cell::cuts) and of its faces. A cut is a linear function, by its values at corners.
+// What cuts leave of a tetrahedron or a triangle of a wall (Cell::cuts), and of their sides. A cut is a linear
+// function, by its values at corners.
 #pragma once
 
 #include <phymul/model.h>
@@ -13,11 +14,18 @@ namespace phymul {
 
 using FaceCut = std::array<double, 3>;
 
-/// Share of the tetrahedron's volume in which all of them are above 0.
-double tissue_share(std::span<const CellCut> cuts);
+/// Share of the volume of a tetrahedron (4 corners), or of the area of a triangle (3), in which all of them are above
+/// 0.
+double tissue_share(std::span<const CellCut> cuts, std::size_t corners);
 
 /// Whether there is a part of a triangle, of more area than rounding leaves, in which all of them are above 0.
 bool has_tissue(std::span<const FaceCut> cuts);
+
+/// The share of a side that has tissue of both of two cells, which have its two particles and lie beside each other;
+/// 0 where a cut goes along it.
+double tissue_in_common(const Cell& a, const Cell& b, const std::array<Index, 2>& side);
+double tissue_in_common(std::span<const Index> of_a, std::span<const CellCut> cuts_of_a, std::span<const Index> of_b,
+                        std::span<const CellCut> cuts_of_b, const std::array<Index, 2>& side);
 
 /// Adds what the cuts of a cell of these particles are on a face of it. Precondition: the face's particles are the
 /// cell's.

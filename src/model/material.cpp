@@ -27,11 +27,8 @@ void sum_masses(Model& model) {
   std::vector<double> mass(model.rest.size(), 0.0);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
-    const bool wall = is_wall(model, cell);
-    if (cell.material < 0 || !(wall || is_solid(model.dimension, cell))) continue;
-    const double measure =
-        wall ? model.materials[cell.material].thickness * area_vector(cell.particles, model.rest).norm()
-             : signed_measure(model.dimension, cell, model.rest);
+    if (cell.material < 0 || cell.share == 0.0 || !is_tissue(model, cell)) continue;
+    const double measure = tissue_volume(model, cell);
     if (!(measure > 0.0)) {
       throw Error(ErrorCode::invalid_model,
                   cell_label(model, row) + ": expected a positive volume to give it a mass, got " +

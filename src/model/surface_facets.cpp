@@ -73,7 +73,9 @@ std::vector<Facet> explicit_facets(const Model& model, std::span<const char> cho
     if (!facet_type || cell.share == 0.0) continue;
     std::array<Index, 4> ring{-1, -1, -1, -1};
     std::copy(cell.particles.begin(), cell.particles.end(), ring.begin());
-    if (all_chosen(ring, chosen)) facets.push_back(made_facet(model, ring, false));
+    if (!all_chosen(ring, chosen)) continue;
+    facets.push_back(made_facet(model, ring, false));
+    facets.back().area *= cell.share;
   }
   return facets;
 }

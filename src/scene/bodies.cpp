@@ -184,7 +184,7 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
     if (own < 0) continue;  // a triangle that lies where all is removed
     ConnectedBody& body = bodies[own];
     body.cells.push_back(static_cast<Index>(row));
-    body.volume += signed_measure(model.dimension, cell, model.rest);
+    body.volume += tissue_volume(model, cell);
   }
   std::set<std::string> seen;
   for (const Component& component : model.components) {

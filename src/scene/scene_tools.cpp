@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/decimal.h"
+#include "model/cell_geometry.h"
 #include "needle_measures.h"
 #include "scene_items.h"
 
@@ -139,9 +140,10 @@ ToolHandle Scene::add_tool(std::string name, Tool tool) & {
     if (tool.contact != ToolContact::particles) {
       throw Error(label(name) + "expected ToolContact::particles, got surface: a blade finds the tissue by itself");
     }
-    const auto is_cell = [](const Cell& cell) { return cell.type == CellType::tetrahedron; };
-    if (model_->dimension == 2 || model_->materials.empty() || std::ranges::none_of(model_->cells, is_cell)) {
-      throw Error(ErrorCode::not_supported, label(name) + "expected a body of tetrahedra with a material for a blade");
+    const auto is_cut = [&](const Cell& cell) { return cell.type == CellType::tetrahedron || is_wall(*model_, cell); };
+    if (model_->dimension == 2 || model_->materials.empty() || std::ranges::none_of(model_->cells, is_cut)) {
+      throw Error(ErrorCode::not_supported,
+                  label(name) + "expected a body of tetrahedra or walls with a material for a blade");
     }
   }
   SceneTool added;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What the blades of a scene cut: cells of whose section with the blade's plane the edge has passed the middle.
+// What the blades of a scene cut: cells, and triangles of walls, of whose section with the blade's plane the edge has
+// passed the middle.
 #include <phymul/error.h>
 
 #include <algorithm>
@@ -96,9 +97,8 @@ class EdgeNow {
 
   bool passed(Index row, const Eigen::Vector4d& middle) const {
     Vec3 q = Vec3::Zero();
-    for (std::size_t v = 0; v < 4; ++v) {
-      q += middle[static_cast<Eigen::Index>(v)] * place(model_.cells[row].particles[v]);
-    }
+    const std::vector<Index>& particles = model_.cells[row].particles;
+    for (std::size_t v = 0; v < particles.size(); ++v) q += middle[static_cast<Eigen::Index>(v)] * place(particles[v]);
     return std::abs(q.x()) < 0.5 * curve_.length() && q.z() > -lead_of_front * spacing_ && q.z() < behind_ &&
            std::abs(q.y()) < same_front * spacing_ && overcomes(q);
   }
@@ -123,18 +123,23 @@ class EdgeNow {
     return nearest == nullptr ? at.z() > 0.0 : nearest->slides;
   }
 
+  /// m, of the particles of a cell with cuts from the blade's plane; of a triangle 0 in the last place, as in its cuts.
+  Eigen::Vector4d distances(const Cell& cell) const {
+    Eigen::Vector4d own = Eigen::Vector4d::Zero();
+    for (std::size_t v = 0; v < cell.particles.size(); ++v) {
+      own[static_cast<Eigen::Index>(v)] = place(cell.particles[v]).y();
+    }
+    return own;
+  }
+
   /// Whether a cut of the cell is this one, although tissue has moved since.
   bool is_cut_here(const Cell& cell) const {
-    std::array<double, 4> own{};
-    for (std::size_t v = 0; v < 4; ++v) own[v] = place(cell.particles[v]).y();
+    if (cell.cuts.empty()) return false;
+    const Eigen::Vector4d own = distances(cell);
     return std::ranges::any_of(cell.cuts, [&](const CellCut& cut) {
-      double product = 0.0, of_cut = 0.0, of_own = 0.0;
-      for (std::size_t v = 0; v < 4; ++v) {
-        product += cut[v] * own[v];
-        of_cut += cut[v] * cut[v];
-        of_own += own[v] * own[v];
-      }
-      return product * product > parallel * parallel * of_cut * of_own;
+      const Eigen::Vector4d values(cut.data());
+      const double product = values.dot(own);
+      return product * product > parallel * parallel * values.squaredNorm() * own.squaredNorm();
     });
   }
 
@@ -153,15 +158,15 @@ class EdgeNow {
     for (const Index row : edit_.cells_of()[i]) {
       const Cell& cell = model_.cells[row];
       if (cell.cuts.empty()) continue;
-      Eigen::Vector4d y;
-      for (std::size_t v = 0; v < 4; ++v) y[static_cast<Eigen::Index>(v)] = place(cell.particles[v]).y();
+      const Eigen::Vector4d y = distances(cell), corners(1.0, 1.0, 1.0, cell.particles.size() == 4 ? 1.0 : 0.0);
       for (const CellCut& cut : cell.cuts) {
         const Eigen::Vector4d values(cut.data());
         const std::ptrdiff_t at = std::ranges::find(cell.particles, i) - cell.particles.begin();
         const double value = values.dot(y) < 0.0 ? -values[at] : values[at];
         const double off = std::abs(value - own) / spacing_;
         // Both without their means: how they are inclined.
-        const Eigen::Vector4d a = values.array() - values.mean(), b = y.array() - y.mean();
+        const Eigen::Vector4d a = values - values.sum() / corners.sum() * corners;
+        const Eigen::Vector4d b = y - y.sum() / corners.sum() * corners;
         const bool same = off > same_cut && off < same_front && std::abs(a.dot(b)) > parallel * a.norm() * b.norm() &&
                           ends_at(i, row);
         const double share = off / (same ? same_front : same_cut);

@@ -80,7 +80,7 @@ void Simulation::remove_cells(std::span<const Index> cells) {
 bool Simulation::cut(const CutSurface& surface) {
   std::vector<Index> cells;
   for (Index row = 0; row < static_cast<Index>(model().cells.size()); ++row) {
-    if (is_solid(model().dimension, model().cells[row])) cells.push_back(row);
+    if (model().cells[row].share > 0.0 && is_tissue(model(), model().cells[row])) cells.push_back(row);
   }
   const CutPlaces places(model(), cells, surface, "Simulation::cut");
   BodyCut found = parts_->body_edit().find_cut(places.cut());

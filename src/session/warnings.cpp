@@ -77,7 +77,7 @@ void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<
   found.emplace_back(place_of(loose.front(), model) +
                      (loose.size() == 1 ? " is" : " and " + std::to_string(loose.size() - 1) + " more are") +
                      " joined to nothing that is held; hold " + (loose.size() == 1 ? "it" : "them") +
-                     " too, join the meshes, or use Scene::attach() or Scene::contacts()");
+                     " too, join the meshes, or use Scene::attach() or Scene::contacts({})");
 }
 
 void look_at_joints(const Scene& scene, std::vector<std::string>& found) {

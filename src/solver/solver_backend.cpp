@@ -86,7 +86,8 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
   spacing_ = mean_spacing(model());
   // Cells alone make a body, without neighbours to take a spacing from.
   if (!(spacing_ > 0.0)) spacing_ = body_size(model()) / std::cbrt(static_cast<double>(topology_->particle_count));
-  edits_seen_ = topology_->edited.size();
+  edits_seen_ = topology_->edits;
+  domains_seen_ = topology_->edited.size();
   copies_seen_ = topology_->copied.size();
   largest_before_edits_ = own_spectrum_.largest / topology_->stiffened;
   scene_->prepare(frame_);

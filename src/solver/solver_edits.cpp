@@ -36,7 +36,7 @@ void SolverBackend::take_spectrum() {
 
 void SolverBackend::body_changed() {
   require_idle("Solver::body_changed");
-  if (edits_seen_ == topology_->edited.size()) return;
+  if (edits_seen_ == topology_->edits) return;
   if (local_steps_) {
     throw Error(ErrorCode::not_supported,
                 "the body of a solver with SolverOptions::max_substeps above 1 cannot be changed: its fine parts are "
@@ -52,11 +52,13 @@ void SolverBackend::body_changed() {
   copies_.clear();
   scene_->prepare(frame_);
   follow_joints();
-  do_body_changed(std::span(topology_->edited).subspan(edits_seen_));
+  const auto domains = std::span(topology_->edited).subspan(domains_seen_);
+  do_body_changed(domains);
   do_scene_changed();
-  continue_copies(std::span(topology_->edited).subspan(edits_seen_));
+  continue_copies(domains);
   copies_seen_ = topology_->copied.size();
-  edits_seen_ = topology_->edited.size();
+  edits_seen_ = topology_->edits;
+  domains_seen_ = topology_->edited.size();
   scene_version_ = scene_->version();
   values_version_ = scene_->values_version();
 }

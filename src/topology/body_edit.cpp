@@ -18,13 +18,12 @@ namespace phymul {
 namespace {
 
 /// By which the largest eigenvalue may have grown more than own blocks say: 1.37 where cells of blocks and organs were
-/// removed at random and in lumps, up to a third of them.
-constexpr double beyond_own_blocks = 1.5;
-/// The same of cuts: 1.62 at most of planes through small blocks.
-constexpr double beyond_own_blocks_of_cuts = 1.8;
+/// removed at random and in lumps, up to a third of them; 1.62 of planes through small blocks; 2.5 in sheets and
+/// spheres.
+constexpr double beyond_own_blocks = 1.5, beyond_own_blocks_of_cuts = 1.8, beyond_own_blocks_of_walls = 2.8;
 
 bool has_material(const Model& model, const Cell& cell) {
-  return cell.material >= 0 && is_solid(model.dimension, cell.type);
+  return cell.material >= 0 && is_tissue(model, cell);
 }
 
 template <class T>
@@ -37,25 +36,31 @@ void sort_unique(std::vector<T>& list) {
 }  // namespace
 
 BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), topology_(topology) {
-  if (topology.domains.empty() || !topology.walls.empty() || is_body_of_points(model)) {
+  if ((topology.domains.empty() && topology.walls.empty()) || is_body_of_points(model)) {
     throw Error(ErrorCode::not_supported,
-                std::string("remove_cells: expected a body of cells with a material (set_material), got ") +
-                    (topology.walls.empty() ? "one without" : "walls, which cannot be changed while they run"));
+                "remove_cells: expected a body of cells or walls with a material (set_material), got one without");
   }
   cells_of_.resize(model.rest.size());
+  walls_of_.resize(model.rest.size());
+  Index walls = 0;
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     at_start_.push_back(model.cells[row].share > 0.0);
     whole_share_.push_back(at_start_.back() != 0 ? model.cells[row].share : 1.0);
     mass_of_corner_.push_back(0.0);
+    const bool has_term = is_wall(model, model.cells[row]);
+    wall_at_.push_back(has_term ? walls++ : none);
     take_cell(row);
+    if (model.cells[row].type != CellType::line || model.cells[row].material < 0) continue;
+    for (const Index i : model.cells[row].particles) walls_of_[i].push_back(row);
   }
   first_of_.resize(model.rest.size());
   std::iota(first_of_.begin(), first_of_.end(), 0);
-  double volume = 0.0, squared_edge = 0.0;
+  double squared_edge = 0.0;
+  std::vector<Index> tissue;
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
     if (!has_material(model, cell)) continue;
-    volume += signed_measure(model.dimension, cell, model.rest);
+    tissue.push_back(static_cast<Index>(row));
     for (auto a = cell.particles.begin(); a != cell.particles.end(); ++a) {
       for (auto b = cell.particles.begin(); b != a; ++b) {
         squared_edge = std::max(squared_edge, (model.rest[*a] - model.rest[*b]).squaredNorm());
@@ -63,8 +68,7 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
     }
   }
   longest_edge_ = std::sqrt(squared_edge);
-  const auto used = std::ranges::count_if(cells_of_, [](const auto& cells) { return !cells.empty(); });
-  spacing_ = std::cbrt(volume / static_cast<double>(used));
+  spacing_ = tissue_spacing(model, tissue);
   mass_ = model.mass;
   lumped_.resize(mass_.size());
   for (Index i = 0; i < model.particle_count(); ++i) weigh_lumped(i);
@@ -78,6 +82,8 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
     model.cells.reserve(model.cells.size() + cells);
     whole_share_.reserve(model.cells.size() + cells);
     mass_of_corner_.reserve(model.cells.size() + cells);
+    wall_at_.reserve(model.cells.size() + cells);
+    if (!topology.walls.empty()) topology.walls.reserve(topology.walls.size() + cells);
     topology.links.reserve(topology.links.size() + links);
     topology.surface_links.reserve(topology.surface_links.size() + links);
   }
@@ -96,20 +102,25 @@ void BodyEdit::take_cell(Index row) {
   ++cell_count_;
   Cell whole = model_.cells[row];
   whole.share = whole_share_[row];
-  mass_of_corner_[row] = model_.materials[whole.material].density *
-                         signed_measure(model_.dimension, whole, model_.rest) /
+  mass_of_corner_[row] = model_.materials[whole.material].density * tissue_volume(model_, whole) /
                          static_cast<double>(whole.particles.size());
-  for (const Index i : whole.particles) {
-    std::vector<Index>& rows = cells_of_[i];
+  const auto insert = [row](std::vector<Index>& rows) {
     const auto at = std::ranges::lower_bound(rows, row);
     if (at == rows.end() || *at != row) rows.insert(at, row);
+  };
+  for (const Index i : whole.particles) {
+    insert(cells_of_[i]);
+    if (is_of_wall(model_, whole)) insert(walls_of_[i]);
   }
 }
 
 void BodyEdit::lift_cell(Index row) {
   if (!has_material(model_, model_.cells[row])) return;
   --cell_count_;
-  for (const Index i : model_.cells[row].particles) std::erase(cells_of_[i], row);
+  for (const Index i : model_.cells[row].particles) {
+    std::erase(cells_of_[i], row);
+    std::erase(walls_of_[i], row);
+  }
 }
 
 void BodyEdit::weigh_lumped(Index i) {
@@ -124,7 +135,7 @@ void BodyEdit::require_cell(Index cell) const {
                 std::to_string(cell));
   }
   if (has_material(model_, model_.cells[cell])) return;
-  throw Error("remove_cells: expected cells that fill space and have a material; " +
+  throw Error("remove_cells: expected cells that fill space, or triangles of a wall, with a material; " +
               cell_label(model_, static_cast<std::size_t>(cell)) + " is none");
 }
 
@@ -139,7 +150,7 @@ void BodyEdit::set_shares(std::span<const Index> cells, double share) {
     const Cell& cell = model_.cells[row];
     for (const Index i : cell.particles) {
       particles.push_back(i);
-      domains.push_back(domain_of(i, cell.material));
+      if (!is_of_wall(model_, cell)) domains.push_back(domain_of(i, cell.material));
     }
   }
   if (changed.empty()) return;
@@ -166,6 +177,7 @@ void BodyEdit::follow(std::vector<Index> domains, std::vector<Index> particles) 
     integrate(d);
     write(d);
   }
+  follow_walls(particles);
   // What their own blocks are made of has changed around them, too.
   for (const Index d : domains) {
     for (const LinkTexel& link : topology_.links_of(d)) {
@@ -190,13 +202,17 @@ void BodyEdit::follow(std::vector<Index> domains, std::vector<Index> particles) 
   for (const Index i : particles) find_rate(i);
   const double growth = largest_rate_ > 0.0 ? std::ranges::max(rate_) / largest_rate_ : 1.0;
   const bool is_whole = topology_.removed.empty() && topology_.cuts.empty();
-  const double beyond = topology_.cuts.empty() ? beyond_own_blocks : beyond_own_blocks_of_cuts;
+  const double beyond = !topology_.walls.empty() ? beyond_own_blocks_of_walls
+                        : topology_.cuts.empty() ? beyond_own_blocks
+                                                 : beyond_own_blocks_of_cuts;
   topology_.stiffened = is_whole ? 1.0 : beyond * std::max(1.0, growth);
   topology_.edited.insert(topology_.edited.end(), domains.begin(), domains.end());
   for (std::size_t k = 0; k < particles.size(); ++k) {
     const Index i = particles[k];
-    if (model_.mass[i] != mass_before[k]) topology_.edited.push_back(topology_.first_domain[i]);
+    const bool has_domain = !topology_.domains.empty() && topology_.first_domain[i] < topology_.first_domain[i + 1];
+    if (has_domain && model_.mass[i] != mass_before[k]) topology_.edited.push_back(topology_.first_domain[i]);
   }
+  ++topology_.edits;
   topology_.model.reset();
 }
 
@@ -225,7 +241,8 @@ double BodyEdit::modulus_of(Index domain) const {
 /// N/m: a bound on a particle's own block of the stiffness. Each domain d whose mean F has the particle adds
 /// modulus |C_di|^2 / V_d, and links add their springs.
 double BodyEdit::own_stiffness(Index i) const {
-  double sum = 0.0;
+  double sum = own_stiffness_in_walls(i);
+  if (topology_.domains.empty()) return sum;
   for (Index d = topology_.first_domain[i]; d < topology_.first_domain[i + 1]; ++d) {
     const auto add = [&](Index e, const Vec3& area) {
       sum += modulus_[e] * topology_.domains[e].inverse_volume * area.squaredNorm();

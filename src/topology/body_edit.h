@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Changes of a body that is there: cells are removed, brought back and cut, in the model and in its tables at once, at
-// a cost that follows the change and not the body. Afterwards the tables are those that build_topology() makes of the
-// model with the same stabiliser, but for the order of their rows and for rounding. They depend on the cells that are
-// removed and on the cuts, not on the order of edits.
+// Changes of a body that is there: cells and walls are removed, brought back and cut, in the model and in its tables at
+// once, at a cost that follows the change and not the body. Afterwards the tables are those that build_topology() makes
+// of the model with the same stabiliser, but for the order of their rows and for rounding. They depend on the cells
+// that are removed and on the cuts, not on the order of edits.
 #pragma once
 
 #include <phymul/topology_textures.h>
@@ -21,7 +21,7 @@ namespace phymul {
 class BodyEdit {
  public:
   /// `topology` was built from `model`; both must outlive the edit. Looks once at the whole body. Throws Error unless
-  /// the body is made of cells with materials.
+  /// the body is made of cells or walls with materials.
   BodyEdit(Model& model, TopologyTextures& topology);
 
   /// Sets Cell::share of these cells: 0, or with 1 what it is while they are not removed. The tables' lists of edits
@@ -37,7 +37,7 @@ class BodyEdit {
   void make(std::shared_ptr<const BodyCut> cut);
   void undo();
 
-  double spacing() const { return spacing_; }            ///< m, cube root of the volume per particle of a cell
+  double spacing() const { return spacing_; }            ///< m, tissue_spacing()
   double longest_edge() const { return longest_edge_; }  ///< m, of its cells at rest
   const std::vector<std::vector<Index>>& cells_of() const { return cells_of_; }
 
@@ -70,11 +70,20 @@ class BodyEdit {
   void weigh(Index particle);
   void weigh_family(const std::vector<Index>& family);
   void find_rate(Index particle);
+  void follow_walls(std::vector<Index>& particles);
+  double own_stiffness_in_walls(Index particle) const;
+  void write_wall(Index row);
+  void free_wall(Index row);
+  template <class Visit>
+  void each_wall_with(Index particle, Visit visit) const;
 
   Model& model_;
   TopologyTextures& topology_;
   std::size_t cell_count_ = 0;                // with a material
-  std::vector<std::vector<Index>> cells_of_;  // by particle: rows of its cells with a material, ascending
+  std::vector<std::vector<Index>> cells_of_;  // by particle: rows of its tissue with a material, ascending
+  std::vector<std::vector<Index>> walls_of_;  // the same of walls and their clamped edges
+  std::vector<Index> wall_at_;                // [cells] in TopologyTextures::walls, none
+  std::vector<Index> free_walls_;             // rows there that no cell has, the next one last
   std::vector<double> whole_share_;           // [cells] while they are not removed
   std::vector<double> mass_of_corner_;        // [cells] kg, of each particle's share of one
   std::vector<char> at_start_;                // [cells] it, or what it was cut from, was not removed at the beginning

@@ -45,6 +45,7 @@ void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
     whole_share_.push_back(added.part.share);
     mass_of_corner_.push_back(0.0);
     at_start_.push_back(at_start_[added.of]);
+    wall_at_.push_back(none);
     take_cell(row++);
   }
   for (const BodyCut::Copy& copy : cut->copies) {
@@ -56,7 +57,9 @@ void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
     std::vector<Index>& family = copies_[first];
     if (family.empty()) family.push_back(first);
     family.push_back(copy.particle);
-    for (Index d = topology_.first_domain[copy.of]; d < topology_.first_domain[copy.of + 1]; ++d) {
+    const bool has_domains = !topology_.domains.empty();
+    for (Index d = has_domains ? topology_.first_domain[copy.of] : 0;
+         has_domains && d < topology_.first_domain[copy.of + 1]; ++d) {
       const Index own = domain_of(copy.particle, topology_.domains[d].material);
       topology_.domains[own].energy = topology_.domains[d].energy;
       topology_.domains[own].spread_stiffness = topology_.domains[d].spread_stiffness;
@@ -74,6 +77,8 @@ void BodyEdit::undo() {
   const std::size_t rows = model_.cells.size() - cut->added.size();
   for (std::size_t row = rows; row < model_.cells.size(); ++row) lift_cell(static_cast<Index>(row));
   undo_cut(*cut, model_);
+  for (std::size_t row = wall_at_.size(); row-- > rows;) free_wall(static_cast<Index>(row));
+  wall_at_.resize(rows);
   whole_share_.resize(rows);
   mass_of_corner_.resize(rows);
   at_start_.resize(rows);
@@ -99,8 +104,9 @@ void BodyEdit::follow_cut(const BodyCut& cut) {
   std::vector<Index> domains, particles;
   const auto add = [&](const BodyCut::Part& part, Index material) {
     for (const Index i : part.particles) {
+      if (i < 0) continue;
       particles.push_back(i);
-      domains.push_back(domain_of(i, material));
+      if (model_.materials[material].thickness == 0.0) domains.push_back(domain_of(i, material));
     }
   };
   for (const BodyCut::Change& change : cut.changed) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "model/cell_geometry.h"
+#include "model/cut_cells.h"
 
 namespace phymul {
 namespace {
@@ -23,50 +24,53 @@ using HessianWeights = Eigen::Matrix<double, 3, 6>;   // of x_,11, x_,22 and twi
 /// Least and most eigenvalue of bending moduli over those of the material: of misshapen patches L is not to be trusted.
 constexpr double least_matched = 0.2, most_matched = 5.0;
 
-struct WallEdge {
-  int triangles = 0;
-  Index across[2] = {none, none};  // vertices of the triangles that the edge does not have
-  Index row[2] = {none, none};     // of their cells
+using CellsOf = std::span<const std::vector<Index>>;
+
+bool has(const Cell& cell, Index particle) {
+  return std::ranges::find(cell.particles, particle) != cell.particles.end();
+}
+
+bool is_clamp(const Cell& cell) {
+  return cell.type == CellType::line && cell.material >= 0;
+}
+
+/// Beside a triangle, at one of its sides.
+struct Beside {
+  Index vertex = none;  // across the side
   bool clamped = false;
 };
 
-using WallEdges = std::map<std::array<Index, 2>, WallEdge>;
-
-std::array<Index, 2> edge_of(Index a, Index b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
-WallEdges wall_edges(const Model& model) {
-  WallEdges edges;
-  for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    const Cell& cell = model.cells[row];
+Beside beside(const Model& model, Index row, std::array<Index, 2> side, CellsOf cells_of) {
+  const Cell& own = model.cells[row];
+  const Vec3 centre = cell_centre(own, model.rest);
+  Beside found;
+  Index other = none;
+  double most = 0.0;  // share of the side
+  for (const Index at : cells_of[side[0]]) {
+    const Cell& cell = model.cells[at];
+    if (at == row || !has(cell, side[1])) continue;
+    found.clamped = found.clamped || is_clamp(cell);
     if (!is_wall(model, cell)) continue;
-    for (int k = 0; k < 3; ++k) {
-      WallEdge& edge = edges[edge_of(cell.particles[(k + 1) % 3], cell.particles[(k + 2) % 3])];
-      if (edge.triangles == 2) {
-        throw Error(ErrorCode::invalid_model,
-                    cell_label(model, row) + ": expected an edge of a wall to join one or two triangles, but " +
-                        cell_label(model, static_cast<std::size_t>(edge.row[0])) + " and " +
-                        cell_label(model, static_cast<std::size_t>(edge.row[1])) +
-                        " have it too; walls that branch are not supported: cut one of them off");
-      }
-      edge.across[edge.triangles] = cell.particles[k];
-      edge.row[edge.triangles++] = static_cast<Index>(row);
-    }
-  }
-  for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    const Cell& cell = model.cells[row];
-    if (cell.type != CellType::line || cell.material < 0) continue;
-    const auto found = edges.find(edge_of(cell.particles[0], cell.particles[1]));
-    if (found == edges.end() || found->second.triangles != 1) {
+    const Vec3 its_centre = cell_centre(cell, model.rest);
+    if (its_centre == centre && !cell.cuts.empty()) continue;  // the other part of the same triangle
+    if (other != none && its_centre != cell_centre(model.cells[other], model.rest)) {
       throw Error(ErrorCode::invalid_model,
-                  cell_label(model, row) +
-                      ": expected a line with a material to be an edge of a wall with one triangle "
-                      "(clamp_edges); set its material to -1, or remove it");
+                  cell_label(model, static_cast<std::size_t>(row)) +
+                      ": expected an edge of a wall to join one or two triangles, but " +
+                      cell_label(model, static_cast<std::size_t>(other)) + " and " +
+                      cell_label(model, static_cast<std::size_t>(at)) +
+                      " have it too; walls that branch are not supported: cut one of them off");
     }
-    found->second.clamped = true;
+    const double share = tissue_in_common(own, cell, side);
+    if (!(share > most)) continue;
+    most = share;
+    other = at;
   }
-  return edges;
+  if (other != none) {
+    found.vertex =
+        *std::ranges::find_if(model.cells[other].particles, [&](Index i) { return i != side[0] && i != side[1]; });
+  }
+  return found;
 }
 
 /// A triangle, its patch and where these are in the plane.
@@ -83,7 +87,7 @@ struct Patch {
   double plane_area() const { return 0.5 * (along(1).x() * along(2).y() - along(1).y() * along(2).x()); }
 };
 
-Patch patch_of(const Model& model, std::size_t row, const WallEdges& edges) {
+Patch patch_of(const Model& model, std::size_t row, CellsOf cells_of) {
   const Cell& cell = model.cells[row];
   Patch patch;
   const auto X = [&](int k) -> const Vec3& { return model.rest[patch.vertex[k]]; };
@@ -101,10 +105,9 @@ Patch patch_of(const Model& model, std::size_t row, const WallEdges& edges) {
   patch.p.col(2) = Vec2(t.dot(X(2) - X(0)), 2.0 * patch.area / length);
   for (int side = 0; side < 3; ++side) {
     const int a = (side + 1) % 3, b = (side + 2) % 3;
-    const WallEdge& edge = edges.at(edge_of(patch.vertex[a], patch.vertex[b]));
-    patch.clamped[side] = edge.clamped;
-    const bool first = edge.row[0] == static_cast<Index>(row);
-    patch.vertex[3 + side] = edge.across[first ? 1 : 0];
+    const Beside at = beside(model, static_cast<Index>(row), {patch.vertex[a], patch.vertex[b]}, cells_of);
+    patch.clamped[side] = at.clamped;
+    patch.vertex[3 + side] = at.vertex;
     if (patch.free(side)) continue;
     const Vec3 r = X(3 + side) - X(a), s = (X(b) - X(a)).normalized();
     const double on = s.dot(r), out = (r - on * s).norm();
@@ -208,6 +211,7 @@ Mat2 root_of(const Mat2& positive) {
 
 WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
   const Material& material = model.materials[model.cells[row].material];
+  const double area = model.cells[row].share * patch.area;  // m^2, of its tissue
   Eigen::Matrix<double, 3, 6> X = Eigen::Matrix<double, 3, 6>::Zero();
   for (int k = 0; k < 6; ++k) {
     if (patch.vertex[k] != none) X.col(k) = model.rest[patch.vertex[k]] - model.rest[patch.vertex[0]];
@@ -220,7 +224,7 @@ WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
   const double nu = material.poisson, t = material.thickness;
   Mat3 D;
   D << 1.0, nu, 0.0, nu, 1.0, 0.0, 0.0, 0.0, 0.5 * (1.0 - nu);
-  D *= material.young / (1.0 - nu * nu) * t * t * t / 12.0 * patch.area;
+  D *= material.young / (1.0 - nu * nu) * t * t * t / 12.0 * area;
   const Mat3 C = matched_moduli(patch, hessian_of(patch, false), D), left = without_moment(patch, C);
   const HessianWeights H = left * hessian_of(patch, false);
   WallTexel texel;
@@ -236,18 +240,42 @@ WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
   }
   texel.bending = {C(0, 0), C(1, 1), C(2, 2), C(1, 2), C(0, 2), C(0, 1)};
   const double shear = material.young / (2.0 * (1.0 + nu)), bulk = material.young / (3.0 * (1.0 - 2.0 * nu));
-  texel.shear = patch.area * t * shear;
+  texel.shear = area * t * shear;
   texel.compliance = 2.0 * shear / (3.0 * bulk);
   return texel;
 }
 
 }  // namespace
 
+WallTexel wall_term(const Model& model, Index row, CellsOf cells_of) {
+  const auto at = static_cast<std::size_t>(row);
+  return texel_of(model, at, patch_of(model, at, cells_of));
+}
+
 std::vector<WallTexel> wall_terms(const Model& model) {
-  const WallEdges edges = wall_edges(model);
   std::vector<WallTexel> terms;
-  for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    if (is_wall(model, model.cells[row])) terms.push_back(texel_of(model, row, patch_of(model, row, edges)));
+  if (std::ranges::none_of(model.cells, [&](const Cell& cell) { return is_wall(model, cell) || is_clamp(cell); })) {
+    return terms;
+  }
+  std::vector<std::vector<Index>> cells_of(model.rest.size());
+  const auto rows = static_cast<Index>(model.cells.size());
+  for (Index row = 0; row < rows; ++row) {
+    const Cell& cell = model.cells[row];
+    if (!is_wall(model, cell) && !is_clamp(cell)) continue;
+    for (const Index i : cell.particles) cells_of[i].push_back(row);
+  }
+  for (Index row = 0; row < rows; ++row) {
+    const Cell& cell = model.cells[row];
+    if (is_wall(model, cell)) terms.push_back(wall_term(model, row, cells_of));
+    if (!is_clamp(cell)) continue;
+    const auto triangles = std::ranges::count_if(cells_of[cell.particles[0]], [&](Index at) {
+      return is_wall(model, model.cells[at]) && has(model.cells[at], cell.particles[1]);
+    });
+    if (triangles == 1) continue;
+    throw Error(ErrorCode::invalid_model,
+                cell_label(model, static_cast<std::size_t>(row)) +
+                    ": expected a line with a material to be an edge of a wall with one triangle "
+                    "(clamp_edges); set its material to -1, or remove it");
   }
   return terms;
 }

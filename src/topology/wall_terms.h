@@ -13,6 +13,7 @@
 
 #include <phymul/topology_textures.h>
 
+#include <span>
 #include <vector>
 
 namespace phymul {
@@ -20,5 +21,10 @@ namespace phymul {
 /// Throws Error where the wall has a cell of zero area, an edge of more than two triangles, or a clamped edge that is
 /// not one of its own with one triangle.
 std::vector<WallTexel> wall_terms(const Model& model);
+
+/// Of one triangle of a wall. A part of a triangle that a cut divides has its share of the energy, and what is across a
+/// side is the triangle, or the part, with which it has the most tissue of the side in common.
+/// `cells_of`: [N] rows of all triangles of walls at a particle, others and removed ones too. Throws as above.
+WallTexel wall_term(const Model& model, Index row, std::span<const std::vector<Index>> cells_of);
 
 }  // namespace phymul

@@ -240,7 +240,7 @@ TEST(RemoveCells, RefuseWhatTheyCannot) {
   EXPECT_TRUE(sim.removed_cells().empty());
   Simulation springs(slab());
   const std::string plain = message_of([&] { springs.remove_cells(std::vector<Index>{0}); });
-  EXPECT_TRUE(says(plain, "cells with a material")) << plain;
+  EXPECT_TRUE(says(plain, "cells or walls with a material")) << plain;
   EXPECT_TRUE(sim.advance(0.01).ok());
   SimulationOptions fine = options_for("cpu");
   fine.solver.max_substeps = 4;

@@ -220,7 +220,7 @@ TEST(SimulationWarnings, WhatNothingHolds) {
   EXPECT_EQ(
       warnings(two, soft, hold_liver),
       std::vector<std::string>{"\"gall bladder\", 45 particles at (0.1, 0, 0) m is joined to nothing that is held; "
-                               "hold it too, join the meshes, or use Scene::attach() or Scene::contacts()"});
+                               "hold it too, join the meshes, or use Scene::attach() or Scene::contacts({})"});
   const Model three = merge_models(std::vector<NamedBody>{{"liver", &one}, {"a", &other}, {"b", &third}});
   ASSERT_EQ(warnings(three, soft, hold_liver).size(), 1u);
   EXPECT_TRUE(says(warnings(three, soft, hold_liver)[0], " and 1 more are joined to nothing"));

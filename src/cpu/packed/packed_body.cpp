@@ -251,6 +251,15 @@ std::size_t PackedBody::most_slots() const {
 }
 
 bool PackedBody::edit(const TopologyTextures& topology, std::span<const Index> domains) {
+  if (!averaged()) {
+    PackedBody now;
+    now.lanes = lanes;
+    now.order = order;
+    const Index size = clusters.size() == 1 ? std::max<Index>(topology.particle_count, 1) : cluster_size;
+    BodyPacker(renumbered(topology, order), size, now).pack();
+    *this = std::move(now);
+    return false;
+  }
   const bool anew = !averages.runs.empty();
   if (anew) averages = pack_averages(topology, order, places, lanes, AveragedLinks::by_slot);
   averages.edit(topology, domains);
@@ -260,6 +269,19 @@ bool PackedBody::edit(const TopologyTextures& topology, std::span<const Index> d
     mass[place] = narrow(topology.mass[i]);
     inverse_mass[place] = topology.mass[i] > 0.0 ? narrow(1.0 / topology.mass[i]) : 0.0f;
   }
+  if (topology.walls.empty()) return anew;
+  for (std::size_t place = 0; place < order.size(); ++place) {
+    const double m = topology.mass[order[place]];
+    mass[place] = narrow(m);
+    inverse_mass[place] = m > 0.0 ? narrow(1.0 / m) : 0.0f;
+  }
+  clusters.clear();
+  walls.clear();
+  wall_sums.clear();
+  base_first.clear();
+  spring_first.clear();
+  force_rows = averages.slots;
+  add_walls(topology, *this);
   return anew;
 }
 

@@ -57,8 +57,8 @@ struct PackedBody {
     return use != simd::BaseUse::attractor || !(springs.empty() && volumes.empty() && walls.empty());
   }
   bool gives() const { return use == simd::BaseUse::attractor && !(bases.empty() && enumerated.empty()); }
-  /// Takes over what changed of these domains, of Law::particle_averaged, and of the masses of their particles. Whether
-  /// all was packed anew, because links went by runs; places stay.
+  /// Takes over what changed of these domains, of Law::particle_averaged, and of the masses of their particles, and
+  /// packs all walls anew. Whether all domains were packed anew, because links went by runs; places stay.
   bool edit(const TopologyTextures& topology, std::span<const Index> domains);
   bool averaged() const { return averages.slots > 0; }
   double cost() const;  ///< ns per step, rough

@@ -94,8 +94,10 @@ TopologyTextures renumbered(const TopologyTextures& topology, const std::vector<
       topology.springs, to, [](SpringTexel & s) -> auto& { return s.end; });
   result.volumes = renamed(
       topology.volumes, to, [](VolumeTexel & v) -> auto& { return v.vertex; });
+  std::vector<WallTexel> walls = topology.walls;
+  std::erase_if(walls, [](const WallTexel& wall) { return wall.shear == 0.0; });  // removed
   result.walls = renamed(
-      topology.walls, to, [](WallTexel & w) -> auto& { return w.vertex; });
+      std::move(walls), to, [](WallTexel & w) -> auto& { return w.vertex; });
   transpose_lists(topology, result);
   return result;
 }

@@ -132,10 +132,12 @@ class SimdSolver final : public SolverBackend {
     if (body_->edit(topology(), domains)) {
       averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
     }
-    for (const Index d : domains) {
-      const Index i = topology().domains[d].particle;
-      if (topology().mass[i] > 0.0) continue;
-      const auto place = static_cast<std::size_t>(body_->averages.place_of_domain[topology().first_domain[i]]);
+    if (clustered_) {
+      force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
+      clustered_.emplace(*body_, kernels_, pool_.parts(), far_);
+    }
+    for (std::size_t place = 0; place < body_->order.size(); ++place) {
+      if (topology().mass[body_->order[place]] > 0.0) continue;
       for (int a = 0; a < 3; ++a) {
         u_[4 * body_->quad_of(place) + a] = next_u_[4 * body_->quad_of(place) + a] = 0.0f;
         v_[velocity_at(*body_, place, a)] = 0.0f;

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: MIT
+//
+// Walls that are cut, and whose triangles are removed, alone and on cells: what is left against a body built anew, and
+// what follows it.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <memory>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "model/cell_geometry.h"
+#include "support/cut_walls.h"
+#include "support/message_of.h"
+
+namespace phymul {
+namespace {
+
+using namespace test;
+
+struct Named {
+  const char* name;
+  Model model;
+};
+std::vector<Named> bodies_with_walls() {
+  return {{"sheet", sheet()}, {"sphere", sphere()}, {"capsule", slab_in_capsule()}};
+}
+
+CutSurface plane_through_wall(std::mt19937& random, const Model& model) {
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const Vec3 through = model.rest[random() % 50];
+  CutSurface cut = cut_plane(through, Vec3(any(random), any(random), 0.3 * any(random)));
+  const Vec3 edge(any(random), any(random), any(random));
+  if (random() % 2 == 0) cut.front = [=](const Vec3& x) { return edge.normalized().dot(x - through); };
+  return cut;
+}
+
+/// J, and N: largest differences over the largest of a body built anew.
+void expect_tables_of_a_new_body(const Simulation& sim) {
+  EXPECT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12);
+}
+
+TEST(WallCut, RandomEditsLeaveNoStaleRow) {
+  for (const Named& body : bodies_with_walls()) {
+    SCOPED_TRACE(body.name);
+    Simulation sim(with_spare_particles(body.model, 400), without_material("cpu"));
+    const Snapshot whole = sim.snapshot();
+    std::mt19937 random(11);
+    std::vector<Snapshot> kept{whole};
+    int cuts = 0;
+    for (int edit = 1; edit <= 300; ++edit) {
+      const auto count = static_cast<Index>(sim.model().cells.size());
+      if (random() % 3 == 0) {
+        sim.remove_cells(std::vector<Index>{static_cast<Index>(random() % count)});
+      } else if (random() % 5 == 0) {
+        sim.restore(kept[random() % kept.size()]);
+      } else {
+        try {
+          cuts += sim.cut(plane_through_wall(random, body.model)) ? 1 : 0;
+        } catch (const Error& error) {
+          ASSERT_EQ(error.code(), ErrorCode::not_supported) << error.what();
+          sim.restore(whole);
+        }
+      }
+      if (edit % 7 == 0 && kept.size() < 10) kept.push_back(sim.snapshot());
+      if (edit % 10 != 0) continue;
+      ASSERT_NO_FATAL_FAILURE(expect_tables_of_a_new_body(sim)) << edit;
+      validate(sim.model());
+      ASSERT_TRUE(sim.step(2, 0.5 * sim.step_limit()).ok()) << edit;
+    }
+    EXPECT_GT(cuts, 80);
+    sim.restore(whole);
+    const Simulation fresh(with_spare_particles(body.model, 400), without_material("cpu"));
+    EXPECT_TRUE(sim.model() == fresh.model());
+    EXPECT_EQ(sim.solver().topology_hash(), fresh.solver().topology_hash());
+  }
+}
+
+/// Along a row of particles it parts between triangles: each side has the forces of a sheet of its own.
+TEST(WallCut, AlongEdgesLeavesTwoSheets) {
+  constexpr int n = 8;
+  const Model whole = make_wall(square(n, 0.0), {.material = film});
+  const Model cut = cut_body(whole, cut_plane({sheet_side / 2.0, 0.0, 0.0}, {1.0, 0.0, 0.0}));
+  ASSERT_EQ(cut.particle_count(), whole.particle_count() + n + 1);
+  EXPECT_EQ(cut.cells.size(), whole.cells.size());
+  const std::vector<ConnectedBody> parts = connected_bodies(cut);
+  ASSERT_EQ(parts.size(), 2u);
+  std::mt19937 random(3);
+  VecList x = cut.rest;
+  for (Vec3& p : x) p += 0.002 * random_vector(random, 3);
+  const VecList force = forces_at(build_topology(cut), x);
+  for (const ConnectedBody& part : parts) {
+    Surface half;
+    std::vector<Index> at(cut.rest.size(), -1);
+    for (const Index i : part.particles) {
+      at[i] = static_cast<Index>(half.vertices.size());
+      half.vertices.push_back(cut.rest[i]);
+    }
+    for (const Index row : part.cells) {
+      const std::vector<Index>& of = cut.cells[row].particles;
+      half.triangles.push_back({at[of[0]], at[of[1]], at[of[2]]});
+    }
+    const Model alone = make_wall(half, {.material = film});
+    VecList places(alone.rest.size());
+    const auto row_of = [&](Index i) { return std::ranges::find(alone.rest, cut.rest[i]) - alone.rest.begin(); };
+    for (const Index i : part.particles) places[row_of(i)] = x[i];
+    const VecList own = forces_at(build_topology(alone), places);
+    for (const Index i : part.particles) {
+      EXPECT_LT((force[i] - own[row_of(i)]).norm(), 1e-12 * largest_norm(own));
+    }
+  }
+}
+
+/// A strip pulled along a cut keeps its force exactly: the parts' shares of stiffness add up. Bent about an axis across
+/// the cut, two halves together are as stiff as the whole but for the free edges' curvature across.
+TEST(WallCut, PartsHaveTheirShareOfStiffness) {
+  const Model whole = sheet(12);
+  const Model cut = cut_body(whole, cut_plane({0.0, 0.047, 0.0}, {0.03, 1.0, 0.0}));
+  ASSERT_EQ(connected_bodies(cut).size(), 2u);
+  EXPECT_GT(cut.cells.size(), whole.cells.size() + 10);
+  EXPECT_NEAR(total_mass(cut) / total_mass(whole), 1.0, 1e-12);
+  const auto energy = [](const Model& model, auto place) {
+    VecList x;
+    for (const Vec3& X : model.rest) x.push_back(place(X));
+    return elastic_energy(build_topology(model), x);
+  };
+  const auto stretched = [](const Vec3& X) { return Vec3(1.1 * X.x(), 0.97 * X.y(), 0.0); };
+  EXPECT_NEAR(energy(cut, stretched) / energy(whole, stretched), 1.0, 1e-12);
+  const auto rolled = [](const Vec3& X) {
+    return Vec3(0.05 * std::sin(X.x() / 0.05), X.y(), 0.05 * (1.0 - std::cos(X.x() / 0.05)));
+  };
+  EXPECT_NEAR(energy(cut, rolled) / energy(whole, rolled), 1.0, 0.02);
+}
+
+/// Two halves of a plate on its hinges are two plates; a slit opens, and its ends stay joined.
+TEST(WallCut, HalvesOfAHeldSheetFallApart) {
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    Simulation sim(with_spare_particles(sheet(), 200), without_material(backend));
+    sim.scene().fix("x0").gravity({0, 0, -9.81});
+    ASSERT_TRUE(sim.advance(0.02).ok());
+    ASSERT_TRUE(sim.cut(cut_plane({0.052, 0.0, 0.0}, {1.0, 0.2, 0.0})));
+    const std::vector<ConnectedBody> parts = connected_bodies(sim.model());
+    ASSERT_EQ(parts.size(), 2u);
+    const std::size_t loose = sim.model().rest[parts[0].particles[0]].x() > 0.05 ? 0 : 1;
+    double mass = 0.0;
+    Vec3 before = Vec3::Zero(), after = before, speed = before;
+    const auto mean = [&](Vec3& place) {
+      const State state = sim.solver().read();
+      mass = 0.0;
+      place = speed = Vec3::Zero();
+      for (const Index i : parts[loose].particles) {
+        place += sim.model().mass[i] * state.position[i];
+        speed += sim.model().mass[i] * state.velocity[i];
+        mass += sim.model().mass[i];
+      }
+      place /= mass;
+      speed /= mass;
+    };
+    mean(before);
+    const Vec3 first = speed;
+    ASSERT_TRUE(sim.advance(0.1).ok());
+    mean(after);
+    // Damped by 10 /s on its way.
+    const double c = 10.0, g = 9.81, t = 0.1, e = std::exp(-c * t);
+    const double fall = first.z() * (1.0 - e) / c - g / c * (t - (1.0 - e) / c);
+    EXPECT_NEAR((after - before).z() / fall, 1.0, 0.02);
+  }
+}
+
+TEST(WallCut, IsUndoneSavedAndReplayedBitForBit) {
+  for (const Named& body : bodies_with_walls()) {
+    for (const char* backend : {"reference", "cpu"}) {
+      SCOPED_TRACE(std::string(body.name) + backend);
+      const auto made = [&] {
+        auto sim = std::make_unique<Simulation>(with_spare_particles(body.model, 300), without_material(backend));
+        sim->scene().gravity({0, 0, -9.81});
+        sim->scene().fix(sim->model().particles_in([&](const Vec3& x) { return x.x() < 1e-9; }));
+        return sim;
+      };
+      const auto sim = made(), uncut = made();
+      sim->record();
+      sim->advance(0.004), uncut->advance(0.004);
+      const Snapshot whole = sim->snapshot();
+      const CutSurface along = cut_plane({0.0, 0.021, 0.0}, {0.1, 1.0, 0.1});
+      ASSERT_TRUE(sim->cut(along));
+      sim->remove_cells(std::vector<Index>{3, static_cast<Index>(sim->model().cells.size()) - 2});
+      sim->advance(0.004);
+      const Snapshot cut = sim->snapshot();
+      sim->advance(0.004);
+      const State later = sim->solver().read();
+      sim->restore(whole);
+      EXPECT_TRUE(sim->cuts().empty());
+      sim->advance(0.004), uncut->advance(0.004);
+      EXPECT_EQ(sim->solver().read(), uncut->solver().read());
+      sim->restore(cut);
+      EXPECT_EQ(sim->snapshot(), cut);
+      sim->advance(0.004);
+      EXPECT_EQ(sim->solver().read(), later);
+      const auto other = made(), loaded = made();
+      other->replay(sim->recording());
+      EXPECT_EQ(other->snapshot(), sim->snapshot());
+      const std::string path = testing::TempDir() + "wall_cut.state";
+      sim->save(path);
+      loaded->load(path);
+      sim->advance(0.004), loaded->advance(0.004);
+      EXPECT_EQ(loaded->solver().read(), sim->solver().read());
+    }
+  }
+}
+
+TEST(WallCut, LeavesTheStepWithinItsLimit) {
+  for (const Named& body : bodies_with_walls()) {
+    SCOPED_TRACE(body.name);
+    Simulation sim(with_spare_particles(body.model, 600), without_material("reference"));
+    const Snapshot whole = sim.snapshot();
+    const double limit = sim.solver().stable_step();
+    const double before = estimate_spectrum(sim.solver().topology(), sim.model().rest).largest;
+    std::mt19937 random(5);
+    double least = 10.0;
+    for (int k = 0; k < 24; ++k) {
+      if (k % 3 == 0) sim.restore(whole);
+      if (k % 4 == 3) {
+        sim.remove_cells(std::vector<Index>{static_cast<Index>(random() % body.model.cells.size())});
+      } else if (!sim.cut(plane_through_wall(random, body.model))) {
+        continue;
+      }
+      const TopologyTextures anew = built_anew(sim);
+      const double now = estimate_spectrum(anew, anew.rest).largest;
+      least = std::min(least, before * std::pow(limit / sim.solver().stable_step(), 2) / now);
+    }
+    EXPECT_GE(least, 1.0);
+  }
+}
+
+TEST(WallCut, CapsuleIsCutWithItsBody) {
+  const Model model = slab_in_capsule();
+  Simulation sim(with_spare_particles(model, 300), without_material("cpu"));
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0.0, 0.0}, {1.0, 0.2, 0.1})));
+  EXPECT_EQ(connected_bodies(sim.model()).size(), 2u);
+  EXPECT_NEAR(total_mass(sim.model()) / total_mass(model), 1.0, 1e-12);
+  double skin = 0.0, parts = 0.0;  // m^2
+  for (const Cell& cell : model.cells) {
+    if (cell.type == CellType::triangle) skin += area_vector(cell.particles, model.rest).norm();
+  }
+  for (const Cell& cell : sim.model().cells) {
+    if (cell.type == CellType::triangle) parts += cell.share * area_vector(cell.particles, sim.model().rest).norm();
+  }
+  EXPECT_NEAR(volume(sim.model(), sim.model().rest) / volume(model, model.rest), 1.0, 1e-12);
+  EXPECT_NEAR(parts / skin, 1.0, 1e-12);
+}
+
+/// A wall that hangs on a body by an edge alone stays there where the body beside it is cut.
+TEST(WallCut, WallOnAnEdgeStaysJoined) {
+  Model model = with_material(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.0, 1), {5e3, 0.4, 1000.0});
+  // A fin on the upper ridge of the middle plane.
+  std::vector<Index> ridge =
+      model.particles_in([](const Vec3& x) { return std::abs(x.y() - 0.01) < 1e-9 && x.z() > 0.02 - 1e-9; });
+  ASSERT_EQ(ridge.size(), 5u);
+  const auto before = static_cast<Index>(model.cells.size());
+  std::vector<Index> top;
+  for (const Index i : ridge) top.push_back(add_particle(model, Vec3(model.rest[i] + Vec3(0, 0, 0.01))));
+  for (std::size_t k = 0; k + 1 < ridge.size(); ++k) {
+    model.cells.push_back({.type = CellType::triangle, .particles = {ridge[k], ridge[k + 1], top[k]}});
+    model.cells.push_back({.type = CellType::triangle, .particles = {ridge[k + 1], top[k + 1], top[k]}});
+  }
+  model.add_group("fin", {});
+  for (Index row = before; row < static_cast<Index>(model.cells.size()); ++row) {
+    model.components.back().cell_refs.push_back(row);
+  }
+  set_material(model, film, "fin");
+  const Model cut = cut_body(model, cut_plane({0.0, 0.007, 0.0}, {0.0, 1.0, 0.0}));
+  EXPECT_EQ(connected_bodies(cut).size(), 2u);
+  const Model across = cut_body(model, cut_plane({0.022, 0.0, 0.0}, {1.0, 0.0, 0.0}));
+  EXPECT_EQ(connected_bodies(across).size(), 2u);
+}
+
+TEST(WallCut, SurfaceKeepsItsArea) {
+  const Model whole = sheet();
+  const Model cut = cut_body(whole, cut_plane({0.052, 0.0, 0.0}, {1.0, 0.2, 0.0}));
+  const TissueSurface surface = tissue_surface(cut);
+  const VecList place = surface.at(cut.rest);
+  double area = 0.0;
+  for (const auto& [a, b, c] : surface.triangles) area += 0.5 * (place[b] - place[a]).cross(place[c] - place[a]).norm();
+  EXPECT_NEAR(area / (sheet_side * sheet_side), 1.0, 1e-9);
+  const TissueSurface capsule = tissue_surface(slab_in_capsule());
+  EXPECT_EQ(capsule.triangles.size(), tissue_surface(slab()).triangles.size());
+}
+
+TEST(WallCut, RefusesWhatItCannot) {
+  Simulation sim(with_spare_particles(sheet(), 3), without_material("cpu"));
+  const Snapshot before = sim.snapshot();
+  EXPECT_TRUE(says(message_of([&] { sim.cut(cut_plane({0.052, 0.0, 0.0}, {1.0, 0.2, 0.0})); }), "has 3 spare ones"));
+  EXPECT_EQ(sim.snapshot(), before);
+  std::vector<Index> all(sim.model().cells.size());
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_TRUE(says(message_of([&] { sim.remove_cells(all); }), "some cell of the body to be left"));
+}
+
+}  // namespace
+}  // namespace phymul
