@@ -19,8 +19,8 @@ struct WallOptions {
 
 /// A wall with this surface as its middle, open or closed. Triangles longer than the spacing are divided into equal
 /// parts until none is: each side into two at its middle, so that the surface keeps its shape. Edges with one triangle
-/// are free. Throws Error for a surface that is not valid, whose edges join more than two triangles, and for options
-/// out of range.
+/// are free; at edges with more than two triangles the wall branches, and the angles between its parts stay as stiff as
+/// these. Throws Error for a surface that is not valid and for options out of range.
 Model make_wall(const Surface& surface, const WallOptions& options);
 
 /// Gives the surface of a body of volume cells a capsule: a wall of the outer faces whose centre at rest (mean of their

@@ -59,17 +59,6 @@ void require_valid(const Surface& surface, const WallOptions& options) {
                   std::to_string(count - 1) + ", got " + std::to_string(i));
     }
   }
-  std::map<std::array<Index, 2>, int> triangles_at;
-  for (std::size_t row = 0; row < surface.triangles.size(); ++row) {
-    const auto& t = surface.triangles[row];
-    for (int k = 0; k < 3; ++k) {
-      if (++triangles_at[sorted_edge(t[k], t[(k + 1) % 3])] <= 2) continue;
-      throw Error("make_wall: triangle " + std::to_string(row) +
-                  ": expected edges of one or two triangles, but more join the one from vertex " +
-                  std::to_string(t[k]) + " to " + std::to_string(t[(k + 1) % 3]) +
-                  "; walls that branch are not supported: cut one of them off");
-    }
-  }
   for (Index i = 0; i < count; ++i) {
     if (surface.vertices[i].allFinite()) continue;
     throw Error("make_wall: expected finite coordinates, but those of vertex " + std::to_string(i) + " are not");

@@ -77,15 +77,20 @@ class CellCutter {
 
   bool is_wall_row(Index row) const { return is_of_wall(body_.model, body_.model.cells[row]); }
 
-  void require_known(Index row) const {
-    if (body_.model.cells[row].type == CellType::tetrahedron || is_wall_row(row)) return;
+  /// What cannot be cut is refused.
+  bool can_cut(Index row) const {
+    const Cell& cell = body_.model.cells[row];
+    if (cell.share == 0.0 || cell.type == CellType::tetrahedron || is_wall_row(row)) return true;
+    if (cut_.refused != nullptr) {
+      ++*cut_.refused;
+      return false;
+    }
     throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": expected a body of tetrahedra or walls; " +
                                               cell_label(body_.model, static_cast<std::size_t>(row)) + " is neither");
   }
 
   void add_piece(Index row, bool is_added, BodyCut::Part now) {
     const Cell& cell = body_.model.cells[row];
-    require_known(row);
     Piece& piece = pieces_.emplace_back();
     piece.row = row;
     piece.is_added = is_added;
@@ -97,7 +102,7 @@ class CellCutter {
 
   /// A cell that the surface crosses behind the front is parted; one that lies on it with a side keeps that in mind.
   void consider(Index row) {
-    require_known(row);
+    if (!can_cut(row)) return;
     const Cell& cell = body_.model.cells[row];
     const std::size_t corners = cell.particles.size();
     CellCut cut{};
@@ -127,6 +132,12 @@ class CellCutter {
       }
     }
     if (!cut_.passed(row, middle / points)) return;
+    // Particles are copied for all cells around them.
+    for (const Index i : cell.particles) {
+      for (const Index other : body_.cells_of[i]) {
+        if (!can_cut(other)) return;
+      }
+    }
     BodyCut::Part first = part_of(cell);
     CellCut other_way{};
     for (std::size_t a = 0; a < corners; ++a) other_way[a] = -cut[a];

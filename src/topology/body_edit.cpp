@@ -42,17 +42,13 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   }
   cells_of_.resize(model.rest.size());
   walls_of_.resize(model.rest.size());
-  Index walls = 0;
   for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
     at_start_.push_back(model.cells[row].share > 0.0);
     whole_share_.push_back(at_start_.back() != 0 ? model.cells[row].share : 1.0);
     mass_of_corner_.push_back(0.0);
-    const bool has_term = is_wall(model, model.cells[row]);
-    wall_at_.push_back(has_term ? walls++ : none);
     take_cell(row);
-    if (model.cells[row].type != CellType::line || model.cells[row].material < 0) continue;
-    for (const Index i : model.cells[row].particles) walls_of_[i].push_back(row);
   }
+  find_walls();
   first_of_.resize(model.rest.size());
   std::iota(first_of_.begin(), first_of_.end(), 0);
   double squared_edge = 0.0;
@@ -82,7 +78,7 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
     model.cells.reserve(model.cells.size() + cells);
     whole_share_.reserve(model.cells.size() + cells);
     mass_of_corner_.reserve(model.cells.size() + cells);
-    wall_at_.reserve(model.cells.size() + cells);
+    walls_at_.reserve(model.cells.size() + cells);
     if (!topology.walls.empty()) topology.walls.reserve(topology.walls.size() + cells);
     topology.links.reserve(topology.links.size() + links);
     topology.surface_links.reserve(topology.surface_links.size() + links);

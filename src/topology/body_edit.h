@@ -70,10 +70,11 @@ class BodyEdit {
   void weigh(Index particle);
   void weigh_family(const std::vector<Index>& family);
   void find_rate(Index particle);
+  void find_walls();
   void follow_walls(std::vector<Index>& particles);
   double own_stiffness_in_walls(Index particle) const;
   void write_wall(Index row);
-  void free_wall(Index row);
+  void free_walls(std::span<const Index> terms);
   template <class Visit>
   void each_wall_with(Index particle, Visit visit) const;
 
@@ -82,7 +83,7 @@ class BodyEdit {
   std::size_t cell_count_ = 0;                // with a material
   std::vector<std::vector<Index>> cells_of_;  // by particle: rows of its tissue with a material, ascending
   std::vector<std::vector<Index>> walls_of_;  // the same of walls and their clamped edges
-  std::vector<Index> wall_at_;                // [cells] in TopologyTextures::walls, none
+  std::vector<std::vector<Index>> walls_at_;  // [cells] rows of TopologyTextures::walls
   std::vector<Index> free_walls_;             // rows there that no cell has, the next one last
   std::vector<double> whole_share_;           // [cells] while they are not removed
   std::vector<double> mass_of_corner_;        // [cells] kg, of each particle's share of one

@@ -45,7 +45,7 @@ void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
     whole_share_.push_back(added.part.share);
     mass_of_corner_.push_back(0.0);
     at_start_.push_back(at_start_[added.of]);
-    wall_at_.push_back(none);
+    walls_at_.emplace_back();
     take_cell(row++);
   }
   for (const BodyCut::Copy& copy : cut->copies) {
@@ -77,8 +77,8 @@ void BodyEdit::undo() {
   const std::size_t rows = model_.cells.size() - cut->added.size();
   for (std::size_t row = rows; row < model_.cells.size(); ++row) lift_cell(static_cast<Index>(row));
   undo_cut(*cut, model_);
-  for (std::size_t row = wall_at_.size(); row-- > rows;) free_wall(static_cast<Index>(row));
-  wall_at_.resize(rows);
+  for (std::size_t row = walls_at_.size(); row-- > rows;) free_walls(walls_at_[row]);
+  walls_at_.resize(rows);
   whole_share_.resize(rows);
   mass_of_corner_.resize(rows);
   at_start_.resize(rows);

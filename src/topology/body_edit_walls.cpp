@@ -38,6 +38,24 @@ double own_stiffness_of(const WallTexel& wall, std::size_t v) {
 
 }  // namespace
 
+/// Whose terms are which, and clamped edges.
+void BodyEdit::find_walls() {
+  const std::vector<WallTexel>& walls = topology_.walls;
+  std::size_t next = 0;
+  for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
+    const Cell& cell = model_.cells[row];
+    const auto is_its_own = [&](const WallTexel& wall) {
+      return std::equal(cell.particles.begin(), cell.particles.end(), wall.vertex.begin());
+    };
+    walls_at_.emplace_back();
+    while (is_wall(model_, cell) && next < walls.size() && is_its_own(walls[next])) {
+      walls_at_.back().push_back(static_cast<Index>(next++));
+    }
+    if (cell.type != CellType::line || cell.material < 0) continue;
+    for (const Index i : cell.particles) walls_of_[i].push_back(row);
+  }
+}
+
 /// The triangles that have one of these particles in their patch; the particles of these patches are added.
 void BodyEdit::follow_walls(std::vector<Index>& particles) {
   std::vector<Index> walls;
@@ -51,9 +69,10 @@ void BodyEdit::follow_walls(std::vector<Index>& particles) {
   walls.erase(again.begin(), again.end());
   for (const Index row : walls) {
     const auto add_patch = [&] {
-      if (wall_at_[row] == none) return;
-      for (const Index i : topology_.walls[wall_at_[row]].vertex) {
-        if (i != none) particles.push_back(i);
+      for (const Index term : walls_at_[row]) {
+        for (const Index i : topology_.walls[term].vertex) {
+          if (i != none) particles.push_back(i);
+        }
       }
     };
     add_patch();
@@ -72,10 +91,11 @@ double BodyEdit::own_stiffness_in_walls(Index particle) const {
 template <class Visit>
 void BodyEdit::each_wall_with(Index particle, Visit visit) const {
   const auto visit_at = [&](Index row, std::size_t first, std::size_t last) {
-    if (!is_of_wall(model_, model_.cells[row]) || wall_at_[row] == none) return;
-    const WallTexel& wall = topology_.walls[wall_at_[row]];
-    for (std::size_t v = first; v < last; ++v) {
-      if (wall.vertex[v] == particle) visit(wall, v);
+    for (const Index term : walls_at_[row]) {
+      const WallTexel& wall = topology_.walls[term];
+      for (std::size_t v = first; v < last; ++v) {
+        if (wall.vertex[v] == particle) visit(wall, v);
+      }
     }
   };
   for (const Index row : walls_of_[particle]) {
@@ -91,27 +111,30 @@ void BodyEdit::each_wall_with(Index particle, Visit visit) const {
   }
 }
 
-/// The constants of a triangle as it is now. One that is removed keeps a row whose energy is 0.
+/// The terms of a triangle as it is now. Rows that it no longer needs stay its own; their energy is 0.
 void BodyEdit::write_wall(Index row) {
-  const bool there = is_wall(model_, model_.cells[row]);
-  if (wall_at_[row] == none) {
-    if (!there) return;
+  std::vector<WallTexel> now;
+  if (is_wall(model_, model_.cells[row])) now = wall_terms_of(model_, row, walls_of_);
+  std::vector<Index>& terms = walls_at_[row];
+  while (terms.size() < now.size()) {
     if (free_walls_.empty()) {
       free_walls_.push_back(static_cast<Index>(topology_.walls.size()));
       topology_.walls.emplace_back();
     }
-    wall_at_[row] = free_walls_.back();
+    terms.push_back(free_walls_.back());
     free_walls_.pop_back();
   }
-  WallTexel& wall = topology_.walls[wall_at_[row]];
-  wall = there ? wall_term(model_, row, walls_of_) : without_energy(wall);
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    WallTexel& wall = topology_.walls[terms[k]];
+    wall = k < now.size() ? now[k] : without_energy(wall);
+  }
 }
 
-void BodyEdit::free_wall(Index row) {
-  const Index at = wall_at_[row];
-  if (at == none) return;
-  topology_.walls[at] = without_energy(topology_.walls[at]);
-  free_walls_.push_back(at);
+void BodyEdit::free_walls(std::span<const Index> terms) {
+  for (std::size_t k = terms.size(); k-- > 0;) {
+    topology_.walls[terms[k]] = without_energy(topology_.walls[terms[k]]);
+    free_walls_.push_back(terms[k]);
+  }
 }
 
 }  // namespace phymul

@@ -36,39 +36,40 @@ bool is_clamp(const Cell& cell) {
 
 /// Beside a triangle, at one of its sides.
 struct Beside {
-  Index vertex = none;  // across the side
+  struct Wall {
+    Index row = none, vertex = none;  // across the side
+    double in_common = 0.0;           // share of the side
+  };
+  std::vector<Wall> walls{};  // more than one: the wall branches
   bool clamped = false;
 };
 
 Beside beside(const Model& model, Index row, std::array<Index, 2> side, CellsOf cells_of) {
   const Cell& own = model.cells[row];
-  const Vec3 centre = cell_centre(own, model.rest);
   Beside found;
-  Index other = none;
-  double most = 0.0;  // share of the side
   for (const Index at : cells_of[side[0]]) {
     const Cell& cell = model.cells[at];
     if (at == row || !has(cell, side[1])) continue;
     found.clamped = found.clamped || is_clamp(cell);
     if (!is_wall(model, cell)) continue;
     const Vec3 its_centre = cell_centre(cell, model.rest);
-    if (its_centre == centre && !cell.cuts.empty()) continue;  // the other part of the same triangle
-    if (other != none && its_centre != cell_centre(model.cells[other], model.rest)) {
-      throw Error(ErrorCode::invalid_model,
-                  cell_label(model, static_cast<std::size_t>(row)) +
-                      ": expected an edge of a wall to join one or two triangles, but " +
-                      cell_label(model, static_cast<std::size_t>(other)) + " and " +
-                      cell_label(model, static_cast<std::size_t>(at)) +
-                      " have it too; walls that branch are not supported: cut one of them off");
+    const double in_common = tissue_in_common(own, cell, side);
+    if (!(in_common > 0.0)) continue;  // as of the other part of the same triangle
+    const Index vertex = *std::ranges::find_if(cell.particles, [&](Index i) { return i != side[0] && i != side[1]; });
+    if (has(own, vertex)) {
+      throw Error(ErrorCode::invalid_model, cell_label(model, static_cast<std::size_t>(row)) + " and " +
+                                                cell_label(model, static_cast<std::size_t>(at)) +
+                                                ": expected one triangle of a wall between three particles");
     }
-    const double share = tissue_in_common(own, cell, side);
-    if (!(share > most)) continue;
-    most = share;
-    other = at;
-  }
-  if (other != none) {
-    found.vertex =
-        *std::ranges::find_if(model.cells[other].particles, [&](Index i) { return i != side[0] && i != side[1]; });
+    // Of the parts of one triangle that with the most of the side.
+    const auto known = std::ranges::find_if(found.walls, [&](const Beside::Wall& wall) {
+      return cell_centre(model.cells[wall.row], model.rest) == its_centre;
+    });
+    if (known == found.walls.end()) {
+      found.walls.push_back({at, vertex, in_common});
+    } else if (in_common > known->in_common) {
+      *known = {at, vertex, in_common};
+    }
   }
   return found;
 }
@@ -78,7 +79,8 @@ struct Patch {
   std::array<Index, 6> vertex{};
   std::array<bool, 3> clamped{};
   Eigen::Matrix<double, 2, 6> p = Eigen::Matrix<double, 2, 6>::Zero();
-  double area = 0.0;  // m^2, of the triangle in space
+  double area = 0.0;   // m^2, of the triangle in space
+  double share = 1.0;  // of its energy
 
   bool free(int side) const { return vertex[3 + side] == none; }
   Vec2 along(int side) const { return p.col((side + 2) % 3) - p.col((side + 1) % 3); }
@@ -87,7 +89,8 @@ struct Patch {
   double plane_area() const { return 0.5 * (along(1).x() * along(2).y() - along(1).y() * along(2).x()); }
 };
 
-Patch patch_of(const Model& model, std::size_t row, CellsOf cells_of) {
+/// Without what is across its sides.
+Patch triangle_of(const Model& model, std::size_t row) {
   const Cell& cell = model.cells[row];
   Patch patch;
   const auto X = [&](int k) -> const Vec3& { return model.rest[patch.vertex[k]]; };
@@ -103,18 +106,55 @@ Patch patch_of(const Model& model, std::size_t row, CellsOf cells_of) {
   const Vec3 t = (X(1) - X(0)) / length;
   patch.p.col(1) = Vec2(length, 0.0);
   patch.p.col(2) = Vec2(t.dot(X(2) - X(0)), 2.0 * patch.area / length);
+  return patch;
+}
+
+/// Where the vertices across its sides are in the plane.
+void unfold(const Model& model, Patch& patch) {
+  const auto X = [&](int k) -> const Vec3& { return model.rest[patch.vertex[k]]; };
   for (int side = 0; side < 3; ++side) {
     const int a = (side + 1) % 3, b = (side + 2) % 3;
-    const Beside at = beside(model, static_cast<Index>(row), {patch.vertex[a], patch.vertex[b]}, cells_of);
-    patch.clamped[side] = at.clamped;
-    patch.vertex[3 + side] = at.vertex;
     if (patch.free(side)) continue;
     const Vec3 r = X(3 + side) - X(a), s = (X(b) - X(a)).normalized();
     const double on = s.dot(r), out = (r - on * s).norm();
     patch.p.col(3 + side) =
         patch.p.col(a) + on * patch.along(side).normalized() + out * patch.across(side).normalized();
   }
-  return patch;
+}
+
+/// N m.
+double bending_stiffness(const Material& m) {
+  return m.young * std::pow(m.thickness, 3) / (12.0 * (1.0 - m.poisson * m.poisson));
+}
+
+/// One for each choice of what is across its sides.
+std::vector<Patch> patches_of(const Model& model, std::size_t row, CellsOf cells_of) {
+  std::vector<Patch> patches{triangle_of(model, row)}, further;
+  for (int side = 0; side < 3; ++side) {
+    const Patch& triangle = patches.front();
+    const Beside at = beside(model, static_cast<Index>(row),
+                             {triangle.vertex[(side + 1) % 3], triangle.vertex[(side + 2) % 3]}, cells_of);
+    const auto stiffness = [&](const Beside::Wall& wall) {
+      return bending_stiffness(model.materials[model.cells[wall.row].material]);
+    };
+    double sum = 0.0;
+    for (const Beside::Wall& wall : at.walls) sum += stiffness(wall);
+    further.clear();
+    for (Patch patch : patches) {
+      patch.clamped[side] = at.clamped;
+      patch.vertex[3 + side] = none;
+      if (at.walls.empty()) further.push_back(patch);
+      for (const Beside::Wall& wall : at.walls) {
+        Patch one = patch;
+        one.vertex[3 + side] = wall.vertex;
+        if (at.walls.size() > 1) one.share *= stiffness(wall) / sum;
+        further.push_back(one);
+      }
+    }
+    patches.swap(further);
+  }
+  for (Patch& patch : patches) unfold(model, patch);
+  return patches;
 }
 
 /// Where a derivative across the side is not known: of `unknown` the weights are 0.
@@ -211,7 +251,7 @@ Mat2 root_of(const Mat2& positive) {
 
 WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
   const Material& material = model.materials[model.cells[row].material];
-  const double area = model.cells[row].share * patch.area;  // m^2, of its tissue
+  const double area = model.cells[row].share * patch.share * patch.area;  // m^2, of its tissue
   Eigen::Matrix<double, 3, 6> X = Eigen::Matrix<double, 3, 6>::Zero();
   for (int k = 0; k < 6; ++k) {
     if (patch.vertex[k] != none) X.col(k) = model.rest[patch.vertex[k]] - model.rest[patch.vertex[0]];
@@ -247,9 +287,11 @@ WallTexel texel_of(const Model& model, std::size_t row, Patch patch) {
 
 }  // namespace
 
-WallTexel wall_term(const Model& model, Index row, CellsOf cells_of) {
+std::vector<WallTexel> wall_terms_of(const Model& model, Index row, CellsOf cells_of) {
   const auto at = static_cast<std::size_t>(row);
-  return texel_of(model, at, patch_of(model, at, cells_of));
+  std::vector<WallTexel> terms;
+  for (const Patch& patch : patches_of(model, at, cells_of)) terms.push_back(texel_of(model, at, patch));
+  return terms;
 }
 
 std::vector<WallTexel> wall_terms(const Model& model) {
@@ -266,7 +308,9 @@ std::vector<WallTexel> wall_terms(const Model& model) {
   }
   for (Index row = 0; row < rows; ++row) {
     const Cell& cell = model.cells[row];
-    if (is_wall(model, cell)) terms.push_back(wall_term(model, row, cells_of));
+    if (is_wall(model, cell)) {
+      for (const WallTexel& term : wall_terms_of(model, row, cells_of)) terms.push_back(term);
+    }
     if (!is_clamp(cell)) continue;
     const auto triangles = std::ranges::count_if(cells_of[cell.particles[0]], [&](Index at) {
       return is_wall(model, model.cells[at]) && has(model.cells[at], cell.particles[1]);

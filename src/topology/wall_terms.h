@@ -18,13 +18,16 @@
 
 namespace phymul {
 
-/// Throws Error where the wall has a cell of zero area, an edge of more than two triangles, or a clamped edge that is
-/// not one of its own with one triangle.
+/// Triangle by triangle. Throws Error where the wall has a cell of zero area, two triangles in one place, or a clamped
+/// edge that is not one of its own with one triangle.
 std::vector<WallTexel> wall_terms(const Model& model);
 
-/// Of one triangle of a wall. A part of a triangle that a cut divides has its share of the energy, and what is across a
-/// side is the triangle, or the part, with which it has the most tissue of the side in common.
-/// `cells_of`: [N] rows of all triangles of walls at a particle, others and removed ones too. Throws as above.
-WallTexel wall_term(const Model& model, Index row, std::span<const std::vector<Index>> cells_of);
+/// Of one triangle of a wall: one term, or where it has an edge with more than one other triangle (walls that branch)
+/// one for each of these, with shares of its energy in proportion to their bending stiffness, so that a thin wall takes
+/// nothing of a thick one that it joins. A part of a triangle that a cut divides has its share of the energy, and what
+/// is across a side is the triangle, or the part of one, with which it has the most tissue of the side in common.
+/// `cells_of`: [N] rows of all triangles of walls and clamped edges at a particle, others and removed ones too. Throws
+/// as above.
+std::vector<WallTexel> wall_terms_of(const Model& model, Index row, std::span<const std::vector<Index>> cells_of);
 
 }  // namespace phymul

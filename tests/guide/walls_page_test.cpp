@@ -27,6 +27,20 @@ TEST(GuideWalls, SheetOnAClampedEdgeSags) {
   EXPECT_NEAR(sim.max_displacement() / beam, 0.8, 0.2);
 }
 
+TEST(GuideWalls, ASheetIsCutInTwo) {
+  phymul::Surface surface;
+  surface.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.05, 0}, {0, 0.05, 0}};
+  surface.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const phymul::Material wall{.young = 50e3, .poisson = 0.45, .density = 1050, .thickness = 3e-3};
+  const phymul::Model model = phymul::make_wall(surface, {.spacing = 10e-3, .material = wall});
+
+  phymul::Simulation sim(with_spare_particles(model, 60), {.damping = {.rate = 10}});
+
+  sim.cut(phymul::cut_plane({0.05, 0.0, 0.0}, {1.0, 0.2, 0.0}));
+
+  EXPECT_EQ(connected_bodies(sim.model()).size(), 2u);
+}
+
 TEST(GuideWalls, CapsuleHoldsALiver) {
   phymul::Model liver = phymul::make_block({0.08, 0.05, 0.03}, 16, 10, 6);
   phymul::set_material(liver, {.young = 3e3, .poisson = 0.45, .density = 1050});

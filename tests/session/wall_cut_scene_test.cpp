@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "support/cut_walls.h"
+#include "support/message_of.h"
 
 namespace phymul {
 namespace {
@@ -85,6 +86,60 @@ TEST(WallCutScene, BladeCutsASheet) {
     EXPECT_EQ(connected_bodies(sim.model()).size(), 2u);
     EXPECT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12);
   }
+}
+
+/// N, at an end of a slit sheet that is drawn by 1 mm between two held ends.
+double force_of(const Model& model) {
+  Simulation sim(model, without_material("reference"));
+  sim.scene().fix(model.particles_in([](const Vec3& x) { return x.x() < 1e-9; }));
+  Load draw{.type = LoadType::translation, .events = {{0.0, 1e-3}}, .direction = {1, 0, 0}};
+  draw.particles = model.particles_in([](const Vec3& x) { return x.x() > sheet_side - 1e-9; });
+  sim.scene().add(draw);
+  EXPECT_TRUE(sim.solve_static({.tolerance = 1e-7}).converged());
+  const VecList force = forces_at(sim.solver().topology(), sim.solver().read().position);
+  double sum = 0.0;
+  for (const Index i : draw.particles) sum -= force[i].x();
+  return sum;
+}
+
+/// Against sheets of 120 x 120 cells with the same slits, half way through, of which the straight one lies along edges.
+TEST(WallCutScene, SlitsTakeTheForceThatTheyTakeInFineSheets) {
+  for (const double slope : {0.0, std::tan(17.0 * std::numbers::pi / 180.0)}) {
+    const double fine = slope == 0.0 ? 0.024229 : 0.024346;  // N
+    double mean = 0.0;
+    int count = 0;
+    for (const double aside : {0.0, 0.0021, 0.0047}) {
+      for (const double jitter : {0.0, 0.2}) {
+        const CutSurface slit{.distance = [=](const Vec3& x) { return x.x() - 0.05 - aside - slope * (x.y() - 0.025); },
+                              .front = [](const Vec3& x) { return x.y() - 0.05; }};
+        const double off = force_of(cut_body(sheet(16, jitter), slit)) / fine - 1.0;
+        EXPECT_LT(std::abs(off), 0.027) << aside << ' ' << jitter;
+        mean += off;
+        ++count;
+      }
+    }
+    EXPECT_LT(std::abs(mean / count), 0.013);
+  }
+}
+
+/// A blade leaves what it cannot cut, and says so; a cut at once refuses it.
+TEST(WallCutScene, ACapsuleOnHexahedraIsLeft) {
+  Model model = with_material(make_block({0.06, 0.04, 0.02}, 6, 4, 2), {5e3, 0.4, 1000.0});
+  add_capsule(model, film);
+  Simulation sim(with_spare_particles(model, 100), without_material("cpu"));
+  EXPECT_TRUE(says(message_of([&] { sim.cut(cut_plane({0.033, 0.0, 0.0}, {1.0, 0.0, 0.0})); }), "tetrahedra or walls"));
+  ToolPose pose{.position = {0.03, 0.017, 0.025}};
+  const ToolHandle blade = sim.scene().add_tool("blade", {.shape = Blade{.width = 0.02}, .pose = pose});
+  int uncut = 0;
+  for (int tick = 0; tick < 20; ++tick) {
+    pose.position.z() -= 1e-3;
+    blade.move_to(pose);
+    const StepReport report = sim.advance(1e-3);
+    ASSERT_TRUE(report.ok());
+    uncut += report.uncut;
+  }
+  EXPECT_GT(uncut, 0);
+  EXPECT_TRUE(sim.cuts().empty());
 }
 
 TEST(WallCutScene, RestOfASlitSheet) {

@@ -52,13 +52,16 @@ std::vector<std::vector<Index>> by_cluster(const std::vector<Term>& terms, Index
   for (std::size_t t = 0; t < terms.size(); ++t) {
     Index best = 0;
     std::ptrdiff_t most = 0;
-    const auto& v = vertices(terms[t]);
-    for (const Index i : v) {
-      if (i == none) continue;
-      const auto here = std::count_if(v.begin(), v.end(), [&](Index j) { return j != none && j / size == i / size; });
-      if (here > most || (here == most && i / size < best)) {
+    auto of = vertices(terms[t]);  // clusters of its vertices
+    for (Index& i : of) {
+      if (i != none) i /= size;
+    }
+    for (const Index c : of) {
+      if (c == none) continue;
+      const auto here = std::ranges::count(of, c);
+      if (here > most || (here == most && c < best)) {
         most = here;
-        best = i / size;
+        best = c;
       }
     }
     rows[best].push_back(static_cast<Index>(t));

@@ -9,23 +9,29 @@
 namespace phymul::cpu {
 namespace {
 
-/// Terms with their vertices renamed, in the order of their least vertex.
-template <class Term, class Vertices>
-std::vector<Term> renamed(std::vector<Term> terms, const std::vector<Index>& to, Vertices vertices) {
-  if (terms.empty()) return terms;
-  for (Term& term : terms) {
-    for (Index& v : vertices(term)) {
+/// Terms with their vertices renamed, in the order of their least vertex, without those that are removed.
+template <class Term, class Vertices, class IsRemoved>
+std::vector<Term> renamed(const std::vector<Term>& terms, const std::vector<Index>& to, Vertices vertices,
+                          IsRemoved is_removed) {
+  std::vector<Term> result;
+  if (terms.empty()) return result;
+  const auto corners = static_cast<Index>(vertices(terms.front()).size());
+  const auto order = order_by_least_vertex(static_cast<Index>(terms.size()), corners, [&](Index row, Index corner) {
+    const Index v = vertices(terms[row])[corner];
+    return v == none ? none : to[v];
+  });
+  result.reserve(terms.size());
+  for (const Index row : order) {
+    if (is_removed(terms[row])) continue;
+    result.push_back(terms[row]);
+    for (Index& v : vertices(result.back())) {
       if (v != none) v = to[v];
     }
   }
-  const auto corners = static_cast<Index>(vertices(terms.front()).size());
-  const auto order = order_by_least_vertex(static_cast<Index>(terms.size()), corners,
-                                           [&](Index row, Index corner) { return vertices(terms[row])[corner]; });
-  std::vector<Term> result;
-  result.reserve(terms.size());
-  for (const Index row : order) result.push_back(terms[row]);
   return result;
 }
+
+constexpr auto none_removed = [](const auto&) { return false; };
 
 void copy_rows(const TopologyTextures& from, const std::vector<Index>& order, const std::vector<Index>& to,
                TopologyTextures& result) {
@@ -90,14 +96,13 @@ TopologyTextures renumbered(const TopologyTextures& topology, const std::vector<
   result.neighbour_count = topology.neighbour_count;
   result.base_count = topology.base_count;
   copy_rows(topology, order, to, result);
+  const auto removed = [](const WallTexel& wall) { return wall.shear == 0.0; };
   result.springs = renamed(
-      topology.springs, to, [](SpringTexel & s) -> auto& { return s.end; });
+      topology.springs, to, [](auto& s) -> auto& { return s.end; }, none_removed);
   result.volumes = renamed(
-      topology.volumes, to, [](VolumeTexel & v) -> auto& { return v.vertex; });
-  std::vector<WallTexel> walls = topology.walls;
-  std::erase_if(walls, [](const WallTexel& wall) { return wall.shear == 0.0; });  // removed
+      topology.volumes, to, [](auto& v) -> auto& { return v.vertex; }, none_removed);
   result.walls = renamed(
-      std::move(walls), to, [](WallTexel & w) -> auto& { return w.vertex; });
+      topology.walls, to, [](auto& w) -> auto& { return w.vertex; }, removed);
   transpose_lists(topology, result);
   return result;
 }
