@@ -122,6 +122,14 @@ void validate_cells(const Model& model) {
       throw Error(ErrorCode::invalid_model,
                   label() + "expected a share of 0 (removed) to 1, got " + to_decimal(cell.share));
     }
+    const bool can_be_cut = cell.type == CellType::tetrahedron || cell.type == CellType::triangle;
+    const bool finite = std::ranges::all_of(cell.cuts, [](const CellCut& cut) {
+      return std::ranges::all_of(cut, [](double value) { return std::isfinite(value); });
+    });
+    if (!cell.cuts.empty() && !(can_be_cut && finite)) {
+      throw Error(ErrorCode::invalid_model,
+                  label() + "expected cuts of tetrahedra and triangles alone, by finite numbers");
+    }
     if (cell.material == -1) continue;
     require_indices(std::array{cell.material}, model.materials.size(), "a material", label, ErrorCode::invalid_model);
   }

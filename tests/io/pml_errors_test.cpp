@@ -138,6 +138,13 @@ TEST(PmlErrors, Structure) {
             "t.pml:7: expected z = 0 in a file of dimension 2, got \"1\"");
   EXPECT_TRUE(
       says(refusal(with_element(cell_text("LINE", {0, 1}, "phymul=\"row=3\""))), "expected the row=N of every cell"));
+  for (const char* const mark : {"share=1.5", "share=x", "cut=", "cut=1,,2"}) {
+    EXPECT_NE(refusal(with_element(cell_text("TETRAHEDRON", {0, 1, 2, 3}, "phymul=\"" + std::string(mark) + "\""))), "")
+        << mark;
+  }
+  EXPECT_TRUE(says(refusal(with_element(cell_text("LINE", {0, 1}, "phymul=\"cut=1,2\""))), "expected a cut only of"));
+  EXPECT_TRUE(says(refusal(with_element(cell_text("TETRAHEDRON", {0, 1, 2, 3}, "phymul=\"cut=1,2,3\""))),
+                   "got 3 numbers of a cell of type TETRAHEDRON"));
   EXPECT_TRUE(says(refusal(with_element(cell_text("LINE", {0, 1}, "phymul=\"rows\""))),
                    "t.pml:12: expected attribute \"phymul\""));
 }

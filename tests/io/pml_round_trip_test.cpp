@@ -2,6 +2,7 @@
 #include <phymul/body.h>
 #include <phymul/pml.h>
 #include <phymul/shapes.h>
+#include <phymul/wall.h>
 
 #include <filesystem>
 #include <fstream>
@@ -53,6 +54,25 @@ TEST(PmlRoundTrip, SpareParticlesAreLeftOut) {
   Model block = make_tetrahedral_block({0.03, 0.03, 0.03}, 3, 3, 3, 0.2, 7);
   set_material(block, {3e3, 0.45, 1100});
   EXPECT_EQ(reread(with_spare_particles(block, 5)), block);
+}
+
+/// A part of a cut cell is a cell with its share, and a removed cell is there.
+TEST(PmlRoundTrip, CutAndRemovedCells) {
+  Model block = make_tetrahedral_block({0.03, 0.03, 0.03}, 3, 3, 3, 0.2, 7);
+  set_material(block, {3e3, 0.45, 1100});
+  const Model sheet =
+      make_wall({.vertices = {{0, 0, 0}, {0.03, 0, 0}, {0.03, 0.03, 0}, {0, 0.03, 0}},
+                 .triangles = {{0, 1, 2}, {0, 2, 3}},
+                 .notes = {}},
+                {.spacing = 0.01, .material = {.young = 3e3, .poisson = 0.45, .density = 1100, .thickness = 1e-3}});
+  for (const Model& whole : {block, sheet}) {
+    Model cut = cut_body(whole, cut_plane({0.014, 0.0, 0.0}, {1.0, 0.3, 0.1}));
+    cut.cells[3].share = 0.0;
+    ASSERT_GT(cut.cells.size(), whole.cells.size());
+    const Model again = reread(cut);
+    EXPECT_EQ(again, cut);
+    EXPECT_EQ(again.cells, cut.cells);
+  }
 }
 
 TEST(PmlRoundTrip, UnknownAttributesNamesAndColours) {

@@ -152,6 +152,17 @@ void PmlReader::read_cell(pugi::xml_node node, Index component, Index material) 
     xml_.fail(head.node, std::string("expected ") + std::to_string(size) + " <atomRef> in a cell of type " +
                              cell_name(cell.type) + ", got " + std::to_string(cell.particles.size()));
   }
+  cell.share = head.marks.share.value_or(1.0);
+  for (const std::vector<double>& values : head.marks.cuts) {
+    const bool can_be_cut = cell.type == CellType::tetrahedron || cell.type == CellType::triangle;
+    if (!can_be_cut || values.size() != cell.particles.size()) {
+      xml_.fail(head.node,
+                std::string("expected a cut only of a tetrahedron or a triangle, with a number for each of its "
+                            "particles, got ") +
+                    std::to_string(values.size()) + " numbers of a cell of type " + cell_name(cell.type));
+    }
+    std::ranges::copy(values, cell.cuts.emplace_back(CellCut{}).begin());
+  }
   if (model_.cells.size() >= largest_count) xml_.fail(node, "expected fewer than 2^31 cells, got more");
   if (component >= 0) model_.components[component].cells.push_back(static_cast<Index>(model_.cells.size()));
   model_.cells.push_back(std::move(cell));

@@ -202,8 +202,21 @@ void PmlWriter::write_cell(Index row, bool material_known) {
   if (!cell.name.empty()) xml_.attribute("name", cell.name);
   const bool has_material = cell.material >= 0 && !material_known;
   if (has_material) write_material(model_.materials[cell.material]);
-  std::string marks = number >= 0 && model_.cell_file_index(row) < 0 ? "unnumbered" : "";
-  if (!layout_.cells_in_order) marks += (marks.empty() ? "row=" : " row=") + std::to_string(row);
+  std::string marks;
+  const auto add = [&](std::string_view word) {
+    if (!marks.empty()) marks += ' ';
+    marks += word;
+  };
+  if (number >= 0 && model_.cell_file_index(row) < 0) add("unnumbered");
+  if (!layout_.cells_in_order) add("row=" + std::to_string(row));
+  if (cell.share != 1.0) add("share=" + to_decimal(cell.share));
+  for (const CellCut& cut : cell.cuts) {
+    add("cut=");
+    for (std::size_t v = 0; v < cell.particles.size(); ++v) {
+      if (v > 0) marks += ',';
+      append_decimal(marks, cut[v]);
+    }
+  }
   if (!marks.empty()) write_mark(marks);
   for (const Attribute& attribute : cell.attributes) {
     // A part of a material that was left from a file gives way to the material set since.
