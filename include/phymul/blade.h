@@ -16,7 +16,7 @@ struct Blade {
   double width = 0.0;      ///< m, > 0
   double toughness = 0.0;  ///< J/m^2, >= 0, work per area of cut. Tissue goes with the edge until the force is that
                            ///< much per length of edge in it, N/m: a large one is a dull blade. 0: cuts what it meets.
-                           ///< Walls are cut without resistance, whatever it is
+                           ///< In a wall the length of edge is the wall's thickness, more where the edge leans
   double belly = 0.0;   ///< m, by how much the ends are behind the middle, in z; at most width / 2. Below 0: before it
                         ///< (a sickle)
   double bow = 0.0;     ///< m, by how much the ends are aside of the middle, toward -y; at most width / 2, which is

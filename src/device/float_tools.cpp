@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "interaction/shape_kind.h"
+#include "interaction/distance_to_shape.h"
 #include "interaction/tool_shape.h"
 
 namespace phymul {

@@ -25,70 +25,6 @@ BladeEdge::BladeEdge(const Blade& blade, const Model& model) : blade_(blade), cu
   if (has_sides() && !sites_.empty()) lay_out_sides();
 }
 
-void BladeEdge::build() {
-  double volume = 0.0;
-  std::map<std::array<Index, 3>, std::pair<Index, int>> faces;
-  rows_ = static_cast<Index>(model_.cells.size());
-  site_of_row_.assign(model_.cells.size(), -1);
-  for (Index row = 0; row < rows_; ++row) {
-    const Cell& cell = model_.cells[row];
-    if (cell.type != CellType::tetrahedron) continue;
-    const Key key = key_of(cell);
-    sites_at_.resize(place_at_.size());
-    if (const Index known = site_of(key); known >= 0) {
-      // Rows of cuts go when these are undone: follow_body() has them.
-      if (!cell.cuts.empty()) rows_ = row;
-      if (cell.cuts.empty()) sites_[known].further.push_back(row);
-      continue;
-    }
-    const auto site = static_cast<Index>(sites_.size());
-    sites_.push_back({row, key});
-    site_of_row_[row] = site;
-    std::array<Vec3, 4> x;
-    for (std::size_t v = 0; v < 4; ++v) x[v] = model_.rest[cell.particles[v]];
-    volume += std::abs((x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0])) / 6.0;
-    for (std::size_t v = 0; v < 4; ++v) {
-      const Index own = place_of(cell.particles[v]);
-      sites_at_[own].push_back(site);
-      for (std::size_t w = 0; w < v; ++w) longest_ = std::max(longest_, (x[v] - x[w]).norm());
-      std::array<Index, 3> face{};
-      std::ranges::copy_if(key, face.begin(), [&](Index place) { return place != own; });
-      const auto [other, is_first] = faces.try_emplace(face, site, static_cast<int>(v));
-      if (is_first) continue;
-      sites_[site].beyond[v] = other->second.first;
-      sites_[other->second.first].beyond[other->second.second] = site;
-    }
-  }
-  if (sites_.empty()) return;
-  spacing_ = std::cbrt(volume / static_cast<double>(place_at_.size()));
-  count_ = static_cast<Index>(std::clamp(std::ceil(points_in_spacing * curve_.length() / spacing_), 1.0, most_points));
-  follow_body();
-}
-
-Index BladeEdge::place_of(Index particle) {
-  const Vec3& rest = model_.rest[particle];
-  place_of_.resize(model_.rest.size(), -1);
-  Index& place = place_of_[particle];
-  // A copy has been that of another particle before.
-  if (place >= 0 && rest_[place] == rest) return place;
-  const auto [at, is_new] = place_at_.try_emplace({rest.x(), rest.y(), rest.z()}, static_cast<Index>(place_at_.size()));
-  if (is_new) rest_.push_back(rest);
-  return place = at->second;
-}
-
-Index BladeEdge::site_of(const Key& key) const {
-  if (key[0] >= static_cast<Index>(sites_at_.size())) return -1;
-  const auto known = std::ranges::find(sites_at_[key[0]], key, [&](Index site) { return sites_[site].key; });
-  return known == sites_at_[key[0]].end() ? -1 : *known;
-}
-
-BladeEdge::Key BladeEdge::key_of(const Cell& cell) {
-  Key key{};
-  std::ranges::transform(cell.particles, key.begin(), [&](Index i) { return place_of(i); });
-  std::ranges::sort(key);
-  return key;
-}
-
 void BladeEdge::begin_call() {
   looks_ = true;
 }
@@ -99,44 +35,15 @@ void BladeEdge::accept() {
   looks_ = false;
 }
 
-void BladeEdge::follow_body() {
-  if (sites_.empty()) return;
-  for (const Index site : divided_) std::erase_if(sites_[site].further, [&](Index row) { return row >= rows_; });
-  for (Index row = rows_; row < static_cast<Index>(model_.cells.size()); ++row) {
-    const Index known = site_of(key_of(model_.cells[row]));
-    if (known < 0) continue;
-    sites_[known].further.push_back(row);
-    divided_.push_back(known);
-  }
-  std::ranges::sort(divided_);
-  const auto again = std::ranges::unique(divided_);
-  divided_.erase(again.begin(), again.end());
-}
-
-bool BladeEdge::has_tissue(const Site& site) const {
-  bool any = false;
-  each_part(site, [&](const auto&) { any = true; });
-  return any;
-}
-
-bool BladeEdge::is_whole(const Site& site) const {
-  return site.further.empty() && model_.cells[site.row].share > 0.0 && model_.cells[site.row].cuts.empty();
-}
-
-BladeEdge::Weights BladeEdge::weights_in(const Corners& corners, const Vec3& x) {
-  Mat3 edges;
-  edges << corners[1] - corners[0], corners[2] - corners[0], corners[3] - corners[0];
-  const Vec3 along = edges.inverse() * (x - corners[0]);
-  return {1.0 - along.sum(), along.x(), along.y(), along.z()};
-}
-
-Index BladeEdge::walk(const TouchedParticles& touched, Index site, const Vec3& x, Weights& weights) const {
+Index BladeEdge::walk(const TouchedParticles& touched, Index site, const Vec3& x, const Vec3& line,
+                      Weights& weights) const {
   for (int step = 0; step < farthest_walk && site >= 0 && has_tissue(sites_[site]); ++step) {
-    weights = weights_in(corners_of(sites_[site], [&](Index i) { return touched.end(i); }), x);
+    const Site& own = sites_[site];
+    weights = weights_in(own, corners_of(own, [&](Index i) { return touched.end(i); }), x, line);
+    if (least_of(own, weights) >= in_site) return site;
     Eigen::Index least = 0;
-    const double smallest = weights.minCoeff(&least);
-    if (smallest >= in_site) return site;
-    if (!std::isfinite(smallest)) return -1;
+    const double smallest = weights.head(static_cast<Eigen::Index>(own.corners())).minCoeff(&least);
+    if (!std::isfinite(smallest) || smallest >= in_site) return -1;
     site = sites_[site].beyond[static_cast<std::size_t>(least)];
   }
   return -1;
@@ -147,7 +54,7 @@ Index BladeEdge::walk(const TouchedParticles& touched, Index site, const Vec3& x
 void BladeEdge::go_on(const TouchedParticles& touched, const Vec3& edge, const Vec3& way, Point& point) const {
   for (int k = 0; k * front_step <= farthest_front; ++k) {
     point.ahead = k * front_step * spacing_;
-    const Index site = walk(touched, point.site, edge + point.ahead * way, point.front);
+    const Index site = walk(touched, point.site, edge + point.ahead * way, point.line, point.front);
     if (site < 0 || !is_whole(sites_[site])) continue;
     point.site = site;
     return;
@@ -161,7 +68,7 @@ void BladeEdge::slide(const TouchedParticles& touched, const Vec3& edge, const V
                       Point& point) const {
   for (const double ahead : {std::max(0.0, point.ahead - 0.5 * by), point.ahead}) {
     Weights front;
-    const Index site = walk(touched, point.site, edge + ahead * way, front);
+    const Index site = walk(touched, point.site, edge + ahead * way, point.line, front);
     if (site < 0 || !is_whole(sites_[site])) continue;
     point.site = site;
     point.front = front;
@@ -175,8 +82,9 @@ std::vector<BladePoint> BladeEdge::state() const {
   std::vector<BladePoint> state;
   for (const Point& point : points_) {
     const Weights& w = point.front;
-    state.push_back(
-        {point.place, sites_[point.site].row, {w[0], w[1], w[2], w[3]}, along(point.place), point.ahead, point.slides});
+    const Site& site = sites_[point.site];
+    const double last = site.thickness > 0.0 ? 0.0 : w[3];
+    state.push_back({point.place, site.row, {w[0], w[1], w[2], last}, along(point.place), point.ahead, point.slides});
   }
   add_sides(state);
   return state;
@@ -212,6 +120,11 @@ Vec3 BladeEdge::way_at(const ToolFrame& frame, Index place) const {
   return frame.turn * curve_.way(along(place));
 }
 
+/// Along the edge, of unit length.
+Vec3 BladeEdge::line_at(const ToolFrame& frame, Index place) const {
+  return (frame.turn * curve_.normal(along(place)).cross(curve_.way(along(place)))).normalized();
+}
+
 /// Points that hold none take the tissue that they are in, where it is whole, or the next one ahead where it is cut.
 void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& end) {
   if (!looks_ || static_cast<Index>(next_.size()) == count_) return;
@@ -227,7 +140,7 @@ void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& en
         std::ranges::find(next_.begin(), next_.begin() + static_cast<std::ptrdiff_t>(held), place, &Point::place);
     if (known != next_.begin() + static_cast<std::ptrdiff_t>(held)) continue;
     const Vec3 edge = edge_at(end, place), ahead = farthest_front * spacing_ * way_at(end, place);
-    Point point{.place = place};
+    Point point{.place = place, .line = line_at(end, place)};
     bool in_tissue = false;
     double least = HUGE_VAL;  // share of the way ahead
     for (const Near& near : near_) {
@@ -235,17 +148,20 @@ void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& en
           (edge.cwiseMin(edge + ahead).array() > near.high.array()).any()) {
         continue;
       }
-      const Weights here = weights_in(near.corners, edge), there = weights_in(near.corners, edge + ahead);
-      in_tissue = in_tissue || here.minCoeff() >= in_site;
-      if (!is_whole(sites_[near.site])) continue;
+      const Site& site = sites_[near.site];
+      const Weights here = weights_in(site, near.corners, edge, point.line),
+                    there = weights_in(site, near.corners, edge + ahead, point.line);
+      in_tissue = in_tissue || (least_of(site, here) >= in_site && is_at(site, here));
+      if (!is_whole(site)) continue;
       // Where all coordinates are above 0 on the way.
       double from = 0.0, to = 1.0;
-      for (Eigen::Index v = 0; v < 4; ++v) {
-        if (here[v] < 0.0 && there[v] <= here[v]) to = -1.0;
-        const double at = here[v] / (here[v] - there[v]);
-        if (here[v] < 0.0 && there[v] > here[v]) from = std::max(from, at);
-        if (here[v] >= 0.0 && there[v] < 0.0) to = std::min(to, at);
-      }
+      const auto stay_above = [&](double first, double last) {
+        if (first < 0.0 && last <= first) to = -1.0;
+        const double at = first / (first - last);
+        if (first < 0.0 && last > first) from = std::max(from, at);
+        if (first >= 0.0 && last < 0.0) to = std::min(to, at);
+      };
+      for (Eigen::Index v = 0; v < static_cast<Eigen::Index>(site.corners()); ++v) stay_above(here[v], there[v]);
       if (from > to || from >= least) continue;
       least = from;
       point.site = near.site;
@@ -278,6 +194,11 @@ void BladeEdge::look_around(const TouchedParticles& touched, const Vec3& low, co
       near.low = near.low.cwiseMin(corner);
       near.high = near.high.cwiseMax(corner);
     }
+    if (sites_[site].thickness > 0.0) {
+      // An edge that leans comes to a place ahead of it elsewhere along itself.
+      near.low.array() -= spacing_;
+      near.high.array() += spacing_;
+    }
     near_.push_back(near);
   }
 }
@@ -290,7 +211,7 @@ bool BladeEdge::take_corners(TouchedParticles& touched, const Site& site, const 
   each_part(site, [&](const auto&) { parts += 1.0; });
   if (parts == 0.0) return false;
   each_part(site, [&](const std::vector<Index>& particles) {
-    for (std::size_t v = 0; v < 4; ++v) {
+    for (std::size_t v = 0; v < particles.size(); ++v) {
       const std::size_t slot = touched.slot(particles[v]);
       const double weight = weights[static_cast<Eigen::Index>(v)] / parts;
       const auto known = std::ranges::find(acting.corners, slot, &std::pair<std::size_t, double>::first);
@@ -309,7 +230,7 @@ bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const Tool
   const Site& site = sites_[point.site];
   const Vec3 way = acting.way = way_at(end, point.place);
   const double length = curve_.length() / count_ * curve_.stretch(along(point.place));  // m, of edge
-  acting.limit = blade_.toughness * length * touched.dt();
+  acting.limit = blade_.toughness * length_in(touched, site, point, length) * touched.dt();
   acting.front = edge_at(end, point.place) + point.ahead * way;
   if (!take_corners(touched, site, point.front, acting)) return false;
   Vec3 at = Vec3::Zero();
@@ -320,7 +241,9 @@ bool BladeEdge::couple(TouchedParticles& touched, const Point& point, const Tool
     if (!particle.held)
       acting.inverse_mass += weight * weight * particle.inverse_mass * particle.free_part(way).squaredNorm();
   }
-  return (acting.front - at).norm() <= left_behind * spacing_;
+  const Vec3 off = acting.front - at;
+  if (site.thickness > 0.0) return std::abs(off.dot(way)) <= left_behind * spacing_;
+  return off.norm() <= left_behind * spacing_;
 }
 
 void BladeEdge::act(TouchedParticles& touched, const ToolPose& start, const ToolPose& pose, ToolForce& force) {
@@ -333,9 +256,37 @@ void BladeEdge::act(TouchedParticles& touched, const ToolPose& start, const Tool
   force.particles += static_cast<int>(std::ranges::unique(pushed_).begin() - pushed_.begin());
 }
 
+/// m, of the edge in tissue at a point: in a wall its thickness, more where the edge leans.
+double BladeEdge::length_in(const TouchedParticles& touched, const Site& site, const Point& point,
+                            double of_edge) const {
+  if (site.thickness == 0.0) return of_edge;
+  const Corners corners = corners_of(site, [&](Index i) { return touched.end(i); });
+  const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+  constexpr double least = 0.1;  // an edge that lies in the wall cuts no more of it
+  return site.thickness / std::max(std::abs(normal.dot(point.line)), least);
+}
+
+/// A wall goes along an edge that leans: what one point holds of it goes over to the next one. Beyond the ends it is
+/// left.
+void BladeEdge::follow_walls(const TouchedParticles& touched, const ToolFrame& end) {
+  for (Point& point : next_) {
+    const Site& site = sites_[point.site];
+    point.line = line_at(end, point.place);
+    if (site.thickness == 0.0 || !has_tissue(site)) continue;
+    const Corners corners = corners_of(site, [&](Index i) { return touched.end(i); });
+    const Weights off = weights_in(site, corners, edge_at(end, point.place), point.line);
+    const Index place = std::abs(off[3]) < count_ ? point.place - points_to(off) : -1;
+    if (place < 0 || place >= count_) point.site = -1;
+    if (std::ranges::find(next_, place, &Point::place) == next_.end()) point.place = place;
+  }
+  std::erase_if(next_, [](const Point& point) { return point.site < 0; });
+  std::ranges::sort(next_, {}, &Point::place);
+}
+
 void BladeEdge::cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& force) {
   const double dt = touched.dt();
   next_ = points_;
+  follow_walls(touched, end);
   find_tissue(touched, end);
   acting_.resize(next_.size());
   std::size_t kept = 0;

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -38,22 +39,28 @@ class BladeEdge {
   double reach() const { return longest_; }  ///< m: it looks for tissue so far around
 
  private:
-  using Weights = Eigen::Vector4d;          // barycentric coordinates
+  /// Barycentric coordinates; in a triangle three, and the distance of a place from it along the edge, in points of it.
+  using Weights = Eigen::Vector4d;
   static constexpr double in_site = -1e-9;  // least of them
-  using Key = std::array<Index, 4>;         // places of a cell's vertices, ascending
-  /// A tetrahedron of the mesh at rest with all rows that cuts have made of it, whose vertices are in one order.
+  static constexpr Index no_place = std::numeric_limits<Index>::max();
+  using Key = std::array<Index, 4>;  // places of a cell's vertices, ascending; of a triangle no_place last
+  /// A tetrahedron of the mesh at rest, or a triangle of a wall, with all rows that cuts have made of it, whose
+  /// vertices are in one order.
   struct Site {
     Index row = -1;
     Key key{};
+    double thickness = 0.0;  // m, of a wall
     std::vector<Index> further{};
-    std::array<Index, 4> beyond{-1, -1, -1, -1};  // the site across the face opposite each vertex
+    std::array<Index, 4> beyond{-1, -1, -1, -1};  // the site across the side opposite each vertex
+    std::size_t corners() const { return thickness > 0.0 ? 3 : 4; }
   };
   struct Point {
     Index place = -1;  // along the edge
     Index site = -1;
     Weights front = Weights::Zero();
-    double ahead = 0.0;   // m, of the edge
-    bool slides = false;  // BladePoint
+    double ahead = 0.0;        // m, of the edge
+    bool slides = false;       // BladePoint
+    Vec3 line = Vec3::Zero();  // in this step
   };
   /// A point in one step.
   struct Acting {
@@ -76,14 +83,25 @@ class BladeEdge {
   using Corners = std::array<Vec3, 4>;
   template <class PlaceOf>
   Corners corners_of(const Site& site, const PlaceOf& place_of) const;
-  static Weights weights_in(const Corners& corners, const Vec3& x);
+  static double least_of(const Site& site, const Weights& weights);  // not below in_site: it is inside
+  /// Of the points of the edge one is in a wall that it crosses: from where it crosses so many points on. Not halves,
+  /// so that of a wall half way between two points, as where all is symmetric, one has it and not, by rounding, none.
+  static Index points_to(const Weights& weights) { return static_cast<Index>(std::lround(weights[3] - 1e-3)); }
+  static bool is_at(const Site& site, const Weights& weights) {
+    return site.thickness == 0.0 || (std::abs(weights[3]) < 1.0 && points_to(weights) == 0);
+  }
+  /// `line`: along the edge; in walls a place is that where this line through x crosses them.
+  Weights weights_in(const Site& site, const Corners& corners, const Vec3& x, const Vec3& line) const;
   /// The site that has x at the step's end, from `site` on through tissue; -1: none.
-  Index walk(const TouchedParticles& touched, Index site, const Vec3& x, Weights& weights) const;
+  Index walk(const TouchedParticles& touched, Index site, const Vec3& x, const Vec3& line, Weights& weights) const;
   void go_on(const TouchedParticles& touched, const Vec3& edge, const Vec3& way, Point& point) const;
   void slide(const TouchedParticles& touched, const Vec3& edge, const Vec3& way, double by, Point& point) const;
   double along(Index place) const;  // m, from the middle of the edge
   Vec3 edge_at(const ToolFrame& frame, Index place) const;
   Vec3 way_at(const ToolFrame& frame, Index place) const;
+  Vec3 line_at(const ToolFrame& frame, Index place) const;
+  double length_in(const TouchedParticles& touched, const Site& site, const Point& point, double of_edge) const;
+  void follow_walls(const TouchedParticles& touched, const ToolFrame& end);
   void cut(TouchedParticles& touched, const ToolFrame& end, ToolForce& force);
   bool take_corners(TouchedParticles& touched, const Site& site, const Weights& weights, Acting& acting) const;
   bool has_sides() const { return blade_.height > 0.0 && blade_.friction > 0.0; }
@@ -152,10 +170,11 @@ BladeEdge::Corners BladeEdge::corners_of(const Site& site, const PlaceOf& place_
   corners.fill(Vec3::Zero());
   double parts = 0.0;
   each_part(site, [&](const std::vector<Index>& particles) {
-    for (std::size_t v = 0; v < 4; ++v) corners[v] += place_of(particles[v]);
+    for (std::size_t v = 0; v < particles.size(); ++v) corners[v] += place_of(particles[v]);
     parts += 1.0;
   });
   for (Vec3& corner : corners) corner /= parts;
+  if (site.thickness > 0.0) corners[3] = corners[0];
   return corners;
 }
 

@@ -35,7 +35,8 @@ void BladeEdge::lay_out_sides() {
 /// At the first step of a call: where points come into tissue. They do so from the edge on, or beside others.
 void BladeEdge::find_sides(const TouchedParticles& touched, const ToolFrame& end) {
   const auto enter = [&](Side& side, Index from) {
-    if (side.next.site < 0 && from >= 0) side.next.site = walk(touched, from, end.outside(side.place), side.next.at);
+    if (side.next.site >= 0 || from < 0 || sites_[from].thickness > 0.0) return;
+    side.next.site = walk(touched, from, end.outside(side.place), Vec3::Zero(), side.next.at);
   };
   const std::size_t rows = side_rows_, count = sides_.size();
   for (const Point& point : next_) {
@@ -66,7 +67,9 @@ void BladeEdge::look_for_sides(const TouchedParticles& touched, const ToolFrame&
     const Vec3 x = end.outside(side.place);
     for (const Near& near : near_) {
       if ((x.array() < near.low.array()).any() || (x.array() > near.high.array()).any()) continue;
-      if (weights_in(near.corners, x).minCoeff() >= in_site) side.next.site = near.site;
+      const Site& site = sites_[near.site];
+      if (site.thickness == 0.0 && weights_in(site, near.corners, x, Vec3::Zero()).minCoeff() >= in_site)
+        side.next.site = near.site;
       if (side.next.site >= 0) break;
     }
   }
@@ -91,7 +94,7 @@ void BladeEdge::rub(TouchedParticles& touched, const ToolFrame& start, const Too
   if (looks_) find_sides(touched, end);
   for (Side& side : sides_) {
     auto& [site, at] = side.next;
-    if (site >= 0) site = walk(touched, site, end.outside(side.place), at);
+    if (site >= 0) site = walk(touched, site, end.outside(side.place), Vec3::Zero(), at);
     side.impulse.setZero();
     if (site >= 0 && !take_corners(touched, sites_[site], at, side.acting)) site = -1;
     if (site < 0) continue;

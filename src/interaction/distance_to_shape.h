@@ -4,10 +4,27 @@
 // tool's frame; pure functions of any scalar, every operation in a fixed order.
 #pragma once
 
+#include <phymul/tool.h>
+
 #include "base/vector3.h"
-#include "shape_kind.h"
 
 namespace phymul {
+
+/// What kernels, tables and shaders tell shapes apart by.
+enum class ShapeKind { sphere, capsule, half_space, box, grid, needle, blade };
+
+inline ShapeKind kind_of(const ToolShape& shape) {
+  struct Kind {
+    ShapeKind operator()(const Sphere&) const { return ShapeKind::sphere; }
+    ShapeKind operator()(const Capsule&) const { return ShapeKind::capsule; }
+    ShapeKind operator()(const HalfSpace&) const { return ShapeKind::half_space; }
+    ShapeKind operator()(const Box&) const { return ShapeKind::box; }
+    ShapeKind operator()(const std::shared_ptr<const DistanceGrid>&) const { return ShapeKind::grid; }
+    ShapeKind operator()(const Needle&) const { return ShapeKind::needle; }
+    ShapeKind operator()(const Blade&) const { return ShapeKind::blade; }
+  };
+  return std::visit(Kind{}, shape);
+}
 
 /// Distances at the corners of cubes, x fastest; linear in between.
 template <class S>

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "base/checked_file.h"
-#include "interaction/shape_kind.h"
+#include "interaction/distance_to_shape.h"
 
 namespace phymul {
 

@@ -88,6 +88,41 @@ TEST(WallCutScene, BladeCutsASheet) {
   }
 }
 
+/// Toughness times thickness along the way, however the edge leans; and a blade that is restored goes on as it did.
+TEST(WallCutScene, BladeFeelsToughnessTimesThickness) {
+  for (const double lean : {0.0, 30.0, -45.0}) {
+    SCOPED_TRACE(lean);
+    Material stiff = film;
+    stiff.young = lean == 0.0 ? 100e3 : 5e6;  // or a leaning edge bends the sheet aside
+    Simulation sim(with_spare_particles(make_wall(square(15, 0.2), {.material = stiff}), 200), without_material("cpu"));
+    sim.scene().fix(sim.model().particles_in([](const Vec3& x) { return x.x() < 1e-9 || x.x() > sheet_side - 1e-9; }));
+    const Mat3 upright = (Mat3() << 0, 1, 0, 0, 0, -1, -1, 0, 0).finished();
+    const Eigen::AngleAxisd leaning(lean * std::numbers::pi / 180.0, Vec3::UnitX());
+    ToolPose pose{.position = {0.047, -0.01, 0.0}, .orientation = Quaternion(leaning * upright)};
+    const ToolHandle blade =
+        sim.scene().add_tool("blade", {.shape = Blade{.width = 0.03, .toughness = 20.0}, .pose = pose});
+    const auto go_on = [&] {
+      pose.position.y() += 2e-4;
+      blade.move_to(pose);
+      EXPECT_TRUE(sim.advance(1e-3).ok());
+    };
+    for (int tick = 0; tick < 200; ++tick) go_on();
+    const Snapshot half_way = sim.snapshot();
+    const ToolPose there = pose;
+    double sum = 0.0;
+    for (int tick = 0; tick < 200; ++tick) {
+      go_on();
+      sum -= sim.force_on(blade).mean_force.y();
+    }
+    EXPECT_NEAR(sum / 200.0 / (20.0 * film.thickness), 1.0, lean == 0.0 ? 0.02 : 0.1);
+    const State later = sim.solver().read();
+    sim.restore(half_way);
+    pose = there;
+    for (int tick = 0; tick < 200; ++tick) go_on();
+    EXPECT_EQ(sim.solver().read(), later);
+  }
+}
+
 /// N, at an end of a slit sheet that is drawn by 1 mm between two held ends.
 double force_of(const Model& model) {
   Simulation sim(model, without_material("reference"));

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "device/float_tools.h"
-#include "interaction/shape_kind.h"
+#include "interaction/distance_to_shape.h"
 #include "topology/energies.h"
 
 namespace phymul::gl {
