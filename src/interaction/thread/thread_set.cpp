@@ -27,7 +27,10 @@ ThreadSet::Moving ThreadSet::made(const SceneThread& thread) {
 void ThreadSet::look(Moving& thread, const SceneThread& wanted, std::span<const double> mass) {
   thread.seen = wanted.changes;
   thread.control = wanted.control;
-  if (auto* const path = std::get_if<ThreadPath>(&thread.body)) path->follow(wanted, mass);
+  for (ThreadEnd& end : thread.control.ends) {
+    if (!has_tissue(end.anchor, mass)) end = {};  // lets go
+  }
+  if (auto* const path = std::get_if<ThreadPath>(&thread.body)) path->follow(thread.control, mass);
 }
 
 void ThreadSet::follow(const Scene& scene) {

@@ -187,7 +187,12 @@ bool ThreadTensions::starts_sliding() {
     const double most = low * bends[p].growth + bends[p].channel;
     if (high <= most + of_tension * (high + least_tension)) continue;
     const std::size_t first = first_of_group(p), end = end_from(p + 1);
-    if (given_in(pieces, first, p + 1) <= p && given_in(pieces, p + 1, end) < end) continue;  // which of them holds?
+    if (given_in(pieces, first, p + 1) <= p && given_in(pieces, p + 1, end) < end) {  // which of them holds?
+      std::size_t holds = first;
+      while (holds + 1 < end && !(bends[holds].slides != 0 && bends[holds].channel > bends[p].channel)) ++holds;
+      if (holds + 1 == end) continue;
+      bends[holds].slides = 0;  // the stronger clamp
+    }
     bends[p].slides = pieces[p + 1].tension > pieces[p].tension ? 1 : -1;
     for (std::size_t k = first; k < end; ++k) parts_[k].slack = false;
     return true;
