@@ -142,6 +142,22 @@ TEST(Stitch, AKnotHoldsAndThenSlips) {
   EXPECT_TRUE(solver->thread_state(thread).knots.empty());
 }
 
+TEST(Stitch, ABrokenKnotIsTiedAnewOnceItWasLoosened) {
+  Zigzag body({.length = 0.1}, 2);
+  body.thread->tie(0, 1, 1);
+  body.run(1);
+  State broken = body.solver->read();
+  broken.threads[0].knots[0].broken = true;
+  body.solver->reset(broken);
+  for (const bool loosened : {false, true}) {
+    if (loosened) body.thread->loosen(0, 1);
+    body.run(1);
+    body.thread->tie(0, 1, 1);
+    body.run(1);
+    EXPECT_EQ(body.state().knots.at(0).broken, !loosened);
+  }
+}
+
 /// Thread runs through the weaker of two clamps, whichever tip it is at.
 TEST(Stitch, TheWeakerClampLetsThreadThrough) {
   for (const std::size_t weaker : {0, 1}) {

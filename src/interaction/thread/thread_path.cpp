@@ -262,7 +262,7 @@ void ThreadPath::push(TouchedParticles& touched) {
     if (anchors_[i] == nullptr) continue;
     for (std::size_t k = 0; k < anchors_[i]->particles.size(); ++k) {
       TouchedParticles::Touched& particle = touched[touched.slot(anchors_[i]->particles[k])];
-      TouchedParticles::push(particle, touched.dt() * anchors_[i]->weights[k] * force_[i]);
+      TouchedParticles::pull(particle, touched.dt() * anchors_[i]->weights[k] * force_[i]);
     }
   }
   next_.position.resize(place_.size());
@@ -315,10 +315,9 @@ void ThreadPath::note_events() {
     if (slip > 0.0) take_from_tails(slip);
     ++piece;
   }
-  for (std::size_t k = 0; k < segments; ++k) {
-    next_.tension[k] = pieces_[k].tension;
-    if (pieces_[k].tension > thread_.breaking_force) next_.broken[k] = 1;
-  }
+  for (std::size_t k = 0; k < segments; ++k) next_.tension[k] = pieces_[k].tension;
+  const auto most = std::ranges::max_element(next_.tension);
+  if (*most > thread_.breaking_force) next_.broken[most - next_.tension.begin()] = 1;
   for (std::size_t p = next_.passages.size(); p-- > 0;) {
     if (!(force_[p + 1].norm() > thread_.passage_limit)) continue;
     remove(p);
