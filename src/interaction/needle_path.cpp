@@ -107,6 +107,11 @@ void NeedlePath::follow_body(const Model& model) {
     ++body;
   }
   for (std::size_t i = 0; i < body_of_.size(); ++i) body_of_[i] = model.mass[i] == 0.0 ? -1 : body_of_[i];
+  let_go_of_removed();
+  needle_bearing(model, factors_, bearing_);
+}
+
+void NeedlePath::let_go_of_removed() {
   std::vector<NeedleNode> left;
   for (NeedleNode& node : state_.hole) {
     if (std::ranges::all_of(node.particles, [&](Index i) { return body_of_[i] >= 0; })) {
@@ -118,12 +123,13 @@ void NeedlePath::follow_body(const Model& model) {
   const bool ends = left.size() != state_.hole.size() && !left.empty() && left.back().out;
   if (ends) state_.punctured = state_.through = true;
   state_.hole = std::move(left);
-  needle_bearing(model, factors_, bearing_);
+  if (state_.hole.empty()) forget();
 }
 
 void NeedlePath::restore(NeedleState state) {
   state_ = std::move(state);
   if (state_.through && !state_.hole.empty()) state_.hole.back().out = true;  // files written before have no mark
+  let_go_of_removed();
 }
 
 void NeedlePath::follow_stiffness(const Model& model, std::span<const double> factors) {

@@ -73,6 +73,7 @@ class NeedlePath {
   void add_nodes(const PredictedStep& step, const ShaftLine& line, double until);
   bool add_node(const PredictedStep& step, const Vec3& x, std::int32_t body);
   void enter_at_tip(const PredictedStep& step, const ShaftLine& line);
+  void let_go_of_removed();
   void forget();
   std::size_t last_hole() const;  // row of its first node
   // Where the shaft's line goes through the surface.

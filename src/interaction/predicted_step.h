@@ -69,6 +69,7 @@ class TouchedParticles {
     Vec3 shift{0, 0, 0};        // m
     Vec3 withheld{0, 0, 0};     // N, of the elastic force, that no tool has borne so far
     bool held = false;          // by a tool: nothing else pushes it
+    Vec3 handed_on{0, 0, 0};    // N s, to the tool that holds it: of pull()
     Vec3 rubbed{0, 0, 0};       // normal of a tool with ToolContact::surface that presses it, times its friction
     Vec3 end(double dt) const { return position + dt * velocity; }
     Vec3 free_part(Vec3 vector) const {
@@ -114,6 +115,15 @@ class TouchedParticles {
     touched.impulse += taken;
     touched.velocity += touched.inverse_mass * taken;
     return taken;
+  }
+
+  /// Likewise; of a particle that a tool holds this is the tool's.
+  static void pull(Touched& touched, const Vec3& impulse) {
+    if (touched.held) {
+      touched.handed_on += touched.free_part(impulse);
+    } else {
+      push(touched, impulse);
+    }
   }
 
   /// N: what of the withheld force is against an impulse. The tool that gives this impulse bears it too, because

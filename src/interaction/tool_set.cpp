@@ -281,6 +281,15 @@ void ToolSet::act_by_threads(TouchedParticles& touched) {
     return ThreadSet::AtTool{&tool.moved.motion.pose, &tool.moved.motion.next_pose, &tool.next_force,
                              tool.needle && tool.needle->state().free};
   });
+  for (Moving& tool : tools_) {
+    const ToolFrame end(tool.moved.motion.next_pose);
+    const int particles = tool.next_force.particles;
+    for (const Index i : tool.moved.held) {
+      const TouchedParticles::Touched& particle = touched[touched.slot(i)];
+      react(tool.next_force, end, particle.position, -particle.handed_on, touched.dt());
+    }
+    tool.next_force.particles = particles;
+  }
 }
 
 void ToolSet::accept() {

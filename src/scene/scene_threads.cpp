@@ -192,7 +192,7 @@ ThreadHandle Scene::add_clip(std::string name, const Clip& clip, const Anchor& o
   }
   for (const Anchor& anchor : {one, other}) AnchorCheck{label, *model_, tools_}(anchor);
   const double apart = (anchor_place(one, model_->rest, {}) - anchor_place(other, model_->rest, {})).norm();
-  // Only one of both clamps lets thread through; the tail behind each is as long as the opening.
+  // Of clamps of one force the first lets thread through. The tail behind each is as long as the opening.
   const ThreadHandle added =
       sew(std::move(name), {.length = apart + 2.0 * clip.opening, .friction = 0.0}, std::vector<Anchor>{one, other});
   for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) added.clamp(tip, clip.holding, clip.gap);
@@ -300,23 +300,29 @@ void ThreadHandle::loosen(Index passage, Index other) const {
 }
 
 void ThreadHandle::set(const ThreadControl& wanted) const {
-  const ThreadControl now = own().control;
-  for (const std::size_t t : {0, 1}) {
-    const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
-    const ThreadEnd& end = wanted.ends[t];
-    if (end == now.ends[t]) continue;
-    if (end.hold == TipHold::fixed) fix(tip);
-    if (end.hold == TipHold::pulled) pull(tip, end.force);
-    if (end.hold == TipHold::anchored) join(tip, end.anchor);
-    if (end.hold == TipHold::clamped) clamp(tip, end.holding, end.gap);
-  }
-  if (wanted.held != now.held) {
-    for (const HeldNode& held : now.held) release(held.node);
-    for (const HeldNode& held : wanted.held) hold(held.node, held.position);
-  }
-  if (wanted.knots != now.knots) {
-    for (const Knot& knot : now.knots) loosen(knot.a, knot.b);
-    for (const Knot& knot : wanted.knots) tie(knot.a, knot.b, knot.throws);
+  const SceneThread before = own();
+  const ThreadControl& now = before.control;
+  try {
+    for (const std::size_t t : {0, 1}) {
+      const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
+      const ThreadEnd& end = wanted.ends[t];
+      if (end == now.ends[t]) continue;
+      if (end.hold == TipHold::fixed) fix(tip);
+      if (end.hold == TipHold::pulled) pull(tip, end.force);
+      if (end.hold == TipHold::anchored) join(tip, end.anchor);
+      if (end.hold == TipHold::clamped) clamp(tip, end.holding, end.gap);
+    }
+    if (wanted.held != now.held) {
+      for (const HeldNode& held : now.held) release(held.node);
+      for (const HeldNode& held : wanted.held) hold(held.node, held.position);
+    }
+    if (wanted.knots != now.knots) {
+      for (const Knot& knot : now.knots) loosen(knot.a, knot.b);
+      for (const Knot& knot : wanted.knots) tie(knot.a, knot.b, knot.throws);
+    }
+  } catch (...) {
+    own() = before;
+    throw;
   }
 }
 
@@ -353,6 +359,8 @@ bool fits(const ThreadState& state, const SceneThread& thread) {
   const std::size_t rows = thread.passages.size() + state.sewn.size();
   const auto has = [&](Index row) { return row >= 0 && static_cast<std::size_t>(row) < rows; };
   return good && all(state.tension, size) && state.velocity.empty() && all(state.passages, has) &&
+         state.position.size() == (segments == 0 ? 0 : segments + 1) &&
+         (segments > 0 || state.anchored == std::array<bool, 2>{}) &&
          segments == (passages == 0 && state.knots.empty() ? std::min<std::size_t>(segments, 1) : passages + 1) &&
          std::ranges::adjacent_find(state.passages, std::greater_equal()) == state.passages.end() &&
          all(state.slides, [](std::int8_t way) { return way >= -1 && way <= 1; }) &&

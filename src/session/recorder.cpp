@@ -131,10 +131,16 @@ void Recorder::record_threads(bool before_scene) {
     const auto known = seen_threads_.find(thread.id);
     const bool at_tool =
         std::ranges::any_of(thread.control.ends, [](const ThreadEnd& end) { return !end.anchor.tool.empty(); });
+    const bool changed = known != seen_threads_.end() && known->second.changes != thread.changes;
+    if (before_scene && changed && at_tool && scene_version_ != changes_of(scene_)) {
+      ThreadControl without = thread.control;
+      for (ThreadEnd& end : without.ends) end = end.anchor.tool.empty() ? end : ThreadEnd{};
+      record_one(thread.name, input_kind::ThreadChange::control, [&](ByteWriter& out) { put_control(out, without); });
+    }
     if (before_scene && (known == seen_threads_.end() || at_tool)) continue;
     if (known == seen_threads_.end()) {
       record_one(thread.name, input_kind::ThreadChange::adds, [&](ByteWriter& out) { put_threads(out, {thread}); });
-    } else if (known->second.changes != thread.changes) {
+    } else if (changed) {
       record_one(thread.name, input_kind::ThreadChange::control,
                  [&](ByteWriter& out) { put_control(out, thread.control); });
     }

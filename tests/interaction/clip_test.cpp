@@ -46,6 +46,32 @@ TEST(Clip, ClosesToItsGapHoldsToItsForceThenSlipsAndComesOff) {
   EXPECT_GT(width(), 0.01);
 }
 
+/// It comes off as far open whatever the number of steps in which it closed.
+TEST(Clip, ComesOffOpenedByItsOpeningMoreThanAtFirst) {
+  for (const int closing : {1, 10, 400}) {
+    const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
+    Scene scene(model);
+    scene.fix(std::vector<Index>{0});
+    Load load{.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.1}}, .direction = {1, 0, 0}};
+    scene.add(load);
+    const ThreadHandle clip =
+        scene.add_clip("clip", {.gap = 1e-3, .holding = 0.5, .opening = 4e-3}, at_particle(0), at_particle(1));
+    const auto solver = loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
+    ASSERT_TRUE(solver->step(closing, clip_dt).ok());
+    ASSERT_TRUE(solver->step(400, clip_dt).ok());
+    load.events = {{0.0, 0.51}};
+    scene.replace(1, load);
+    double width = 0.0;
+    for (int k = 0; k < 2000 && solver->thread_state(clip).pulled_out == 0; ++k) {
+      width = solver->read().position[1].x();
+      ASSERT_TRUE(solver->step(1, clip_dt).ok());
+    }
+    EXPECT_EQ(solver->thread_state(clip).pulled_out, 1);
+    const double speed = solver->read().velocity[1].x();
+    EXPECT_NEAR(width, 0.006 + 0.004, 2.0 * clip_dt * speed) << closing;
+  }
+}
+
 /// Put on again it closes to its new gap.
 TEST(Clip, IsPutOnAgain) {
   const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);

@@ -139,6 +139,28 @@ TEST_P(NeedleIn, IsInTheBodyOnALineOfTheMesh) {
   }
 }
 
+/// Through a body whose cells are removed all around it. What a file says of a hole without nodes is none either.
+TEST_P(NeedleIn, FeelsNothingWhereTheTissueWasRemoved) {
+  Simulation sim(Insertion::gel(6), {.backend = GetParam(), .damping = {.rate = 40.0}});
+  sim.scene().fix("x0");
+  ToolPose pose{.position = {0.0203, 0.0197, block_side + offset}};
+  const ToolHandle needle = sim.scene().add_tool("needle", {.shape = thin_needle(), .pose = pose});
+  pose.position.z() = -0.01;
+  needle.move_to(pose);
+  ASSERT_TRUE(sim.advance(0.4).ok());
+  const auto state = [&] { return sim.snapshot().state.tools.at(0).needle; };
+  EXPECT_TRUE(state().through);
+  sim.remove_cells(sim.model().cells_in([](const Vec3& x) { return x.x() > 0.01; }));
+  ASSERT_TRUE(sim.advance(2e-3).ok());
+  EXPECT_EQ(state(), NeedleState{});
+  EXPECT_EQ(sim.force_on(needle).force, Vec3(0, 0, 0));
+  Snapshot odd = sim.snapshot();
+  odd.state.tools.at(0).needle.through = true;
+  sim.restore(odd);
+  ASSERT_TRUE(sim.advance(2e-3).ok());
+  EXPECT_EQ(state(), NeedleState{});
+}
+
 TEST(NeedleShaft, BehindTheBodyTheTipIsFree) {
   Insertion needle("cpu", 5, 0.5);
   needle.go(block_side + 0.02, 0.2, 40);

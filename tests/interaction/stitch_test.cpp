@@ -142,6 +142,75 @@ TEST(Stitch, AKnotHoldsAndThenSlips) {
   EXPECT_TRUE(solver->thread_state(thread).knots.empty());
 }
 
+TEST(Stitch, ABrokenKnotIsTiedAnewOnceItWasLoosened) {
+  Zigzag body({.length = 0.1}, 2);
+  body.thread->tie(0, 1, 1);
+  body.run(1);
+  State broken = body.solver->read();
+  broken.threads[0].knots[0].broken = true;
+  body.solver->reset(broken);
+  for (const bool loosened : {false, true}) {
+    if (loosened) body.thread->loosen(0, 1);
+    body.run(1);
+    body.thread->tie(0, 1, 1);
+    body.run(1);
+    EXPECT_EQ(body.state().knots.at(0).broken, !loosened);
+  }
+}
+
+/// Thread runs through the weaker of two clamps, whichever tip it is at.
+TEST(Stitch, TheWeakerClampLetsThreadThrough) {
+  for (const std::size_t weaker : {0, 1}) {
+    const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
+    Scene scene(model);
+    scene.fix(std::vector<Index>{0});
+    scene.add({.type = LoadType::force, .particles = {1}, .events = {{0.0, 1.2}}, .direction = {1, 0, 0}});
+    const ThreadHandle thread = scene.sew("s", {.friction = 0.0}, std::vector<Anchor>{at_particle(0), at_particle(1)});
+    thread.clamp(ThreadTip::first, weaker == 0 ? 0.5 : 1.0);
+    thread.clamp(ThreadTip::last, weaker == 1 ? 0.5 : 1.0);
+    const auto solver = loose_solver("reference", model, scene);
+    ASSERT_TRUE(solver->step(1, stitch_dt).ok());
+    const double tail = solver->thread_state(thread).rest_length[2 * weaker];
+    ASSERT_TRUE(solver->step(10, stitch_dt).ok());
+    EXPECT_NEAR(solver->thread_state(thread).tension[1], 0.5, 1e-12) << weaker;
+    EXPECT_LT(solver->thread_state(thread).rest_length[2 * weaker], tail - 1e-4) << weaker;
+  }
+}
+
+/// The end that is drawn slips out of its own passages; those on the other side of the break keep theirs.
+TEST(Stitch, ABrokenEndSlipsOutOfItsOwnPassages) {
+  Zigzag body({.length = 0.1, .friction = 0.05}, 4);
+  body.scene.add_tool("hand", {.shape = Sphere{1e-3}, .pose = {.position = {0.04, 0.02, 0}}});
+  body.thread->join(ThreadTip::last, at_tool("hand"));
+  body.run(1);
+  State broken = body.solver->read();
+  broken.threads[0].broken[2] = 1;
+  body.solver->reset(broken);
+  body.scene.tool("hand").move_to({.position = {0.2, 0.02, 0}});
+  body.run(400);
+  EXPECT_EQ(body.state().passages, (std::vector<Index>{0, 1}));
+  EXPECT_EQ(body.state().pulled_out, 2);
+}
+
+/// A tip that particles take over from a hand does not jerk the thread: its segment is as long as the way there.
+TEST(Stitch, ATipGoesOverToTissueWithoutAJerk) {
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0), Vec3(0.03, 0.02, 0)}, 1e-3);
+  Scene scene(model);
+  const ThreadHandle thread = scene.sew("s", {.length = 0.1}, std::vector<Anchor>{at_particle(0), at_particle(1)});
+  thread.join(ThreadTip::last, at_world({0.01, 0, 0}));
+  const auto solver = loose_solver("reference", model, scene);
+  ASSERT_TRUE(solver->step(1, stitch_dt).ok());
+  EXPECT_NEAR(solver->thread_state(thread).rest_length.back(), 0.004, 1e-15);
+  for (const auto& [anchor, length] : {std::pair{at_particle(2), (model.rest[2] - model.rest[1]).norm()},
+                                       {at_particle(0), 0.006},
+                                       {at_world({0.006, 0.02, 0}), 0.02}}) {
+    thread.join(ThreadTip::last, anchor);
+    ASSERT_TRUE(solver->step(3, stitch_dt).ok());
+    EXPECT_NEAR(solver->thread_state(thread).rest_length.back(), length, 1e-15);
+    EXPECT_EQ(solver->read().velocity, VecList(3, Vec3::Zero()));
+  }
+}
+
 class StitchIn : public WithTools {};
 PHYMUL_ON_EVERY_BACKEND(StitchIn);
 
@@ -322,6 +391,9 @@ TEST(Stitch, RefusesPlacesItCannotPass) {
   EXPECT_TRUE(refuses([&] { thread.tie(1, 1, 3); }, "expected two passages"));
   EXPECT_TRUE(refuses([&] { thread.tie(0, 1, 0); }, "expected 1 throw of a knot or more"));
   EXPECT_TRUE(refuses([&] { thread.hold(0, Vec3::Zero()); }, "it is sewn"));
+  const ThreadControl before = thread.thread().control;
+  EXPECT_TRUE(refuses([&] { thread.set({.knots = {{0, 2, 3}}}); }, "thread \"s\": expected passages from 0 to 1"));
+  EXPECT_EQ(thread.thread().control, before);
 }
 
 }  // namespace

@@ -179,6 +179,31 @@ TEST_P(ThreadIn, HangsFromATool) {
   EXPECT_EQ(solver->thread_state(thread).force[0], solver->tool_force("hand").force);
 }
 
+/// Threads do not pull what a tool holds out of its grip, and the tool feels them.
+TEST_P(ThreadIn, PullAtAToolThroughWhatItHolds) {
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.05, 0, 0)}, 1e-4);
+  Scene scene(model);
+  scene.fix(std::vector<Index>{1});
+  const ToolHandle hand = scene.add_tool("hand", {.shape = Sphere{2e-3}});
+  const ThreadHandle sewn = scene.sew("sewn", {}, std::vector<Anchor>{at_particle(0), at_particle(1)});
+  const ThreadHandle free = scene.add_thread("free", {.length = 0.02}, {0, 0, 0}, {-1, 0, 0});
+  free.join(ThreadTip::first, at_particle(0));
+  free.pull(ThreadTip::last, {-0.3, 0, 0});
+  const auto solver = loose_solver(GetParam(), model, scene);
+  hand.grasp(1e-3);
+  ASSERT_TRUE(solver->step(1, thread_dt).ok());
+  hand.move_to({.position = {-1e-3, 0, 0}});
+  ASSERT_TRUE(solver->step(400, thread_dt).ok());
+  EXPECT_LT((solver->read().position[0] - Vec3(-1e-3, 0, 0)).norm(), 1e-8);
+  const double tension = axial_stiffness({}) * 1e-3 / 0.05;
+  EXPECT_NEAR(solver->thread_state(sewn).tension[1] / tension, 1.0, 1e-5);
+  EXPECT_NEAR(solver->tool_force("hand").force.x(), tension - 0.3, 1e-4 * tension);
+  EXPECT_EQ(solver->tool_force("hand").particles, 1);
+  hand.release();
+  ASSERT_TRUE(solver->step(1, thread_dt).ok());
+  EXPECT_LT(solver->thread_state(sewn).tension[1], 0.5 * tension);  // it takes the particle along
+}
+
 TEST(Thread, ANodeGoesWhereItIsHeldDuringOneCall) {
   Clamped body(0.1, 0.0, Vec3::Zero());
   body.thread->hold(50, body.solver->thread_state("thread").position[50] + Vec3(0, 0, 0.01));
@@ -210,6 +235,29 @@ TEST(Thread, BreaksWhereItsTensionIsTooLarge) {
   ASSERT_TRUE(solver->step(100, thread_dt).ok());
   EXPECT_TRUE(solver->thread_state(thread).position.back().allFinite());
   EXPECT_GT(solver->thread_state(thread).position.back().x(), 0.2) << "the part that broke off flies";
+}
+
+/// Then nothing pulls the rest: of segments under one tension the others stay whole.
+TEST(Thread, BreaksInOnePlace) {
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.01, 0, 0), Vec3(0.02, 0, 0)}, 1e-3);
+  Scene scene(model);
+  scene.fix(every_particle(model));
+  const ThreadHandle free =
+      scene.add_thread({.length = 0.1, .segment = 0.01, .breaking_force = 2.0}, Vec3::Zero(), {1, 0, 0});
+  free.hold(0, Vec3::Zero());
+  free.hold(10, {0.102, 0, 0});
+  const ThreadHandle sewn = scene.sew("sewn", {.friction = 0.0, .breaking_force = 2.0},
+                                      std::vector<Anchor>{at_particle(0), at_particle(1), at_particle(2)});
+  const auto solver = loose_solver("reference", model, scene);
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) sewn.join(tip, at_world({-0.01, 0, 0}));
+  ASSERT_TRUE(solver->step(1, thread_dt).ok());
+  sewn.join(ThreadTip::last, at_world({-0.012, 0, 0}));
+  ASSERT_TRUE(solver->step(400, thread_dt).ok());
+  for (const ThreadHandle& thread : {free, sewn}) {
+    const ThreadState& state = solver->thread_state(thread);
+    EXPECT_EQ(std::ranges::count(state.broken, 1), 1) << state.name;
+    for (const double tension : state.tension) EXPECT_LT(tension, 2.0) << state.name;
+  }
 }
 
 TEST(Thread, KeepsAutoOnTheProcessor) {

@@ -105,6 +105,28 @@ TEST(ThreadSession, RecordingsRepeatThemBitForBit) {
   }
 }
 
+/// A tool that a thread has left may go in the same pause between two steps.
+TEST(ThreadSession, RecordingsRepeatATipThatGoesFromToolToTool) {
+  Simulation sim = wound_on("reference");
+  const auto add = [&](const char* name) {
+    sim.scene().add_tool(name, {.shape = Sphere{1e-3}, .pose = {.position = {0, 0.03, 0.03}}});
+  };
+  add("a");
+  const ThreadHandle free = sim.scene().add_thread("free", {.length = 0.03}, {0, 0.03, 0.03}, {0, 1, 0});
+  free.join(ThreadTip::first, at_tool("a"));
+  ASSERT_TRUE(sim.step(2, 1e-4).ok());
+  sim.record();
+  for (const auto& [old, next] : {std::pair{"a", "b"}, {"b", "a"}}) {
+    add(next);
+    free.join(ThreadTip::first, at_tool(next));
+    sim.scene().remove_tool(old);
+    ASSERT_TRUE(sim.step(2, 1e-4).ok());
+  }
+  Simulation other = wound_on("reference");
+  other.replay(sim.recording());
+  EXPECT_EQ(other.snapshot(), sim.snapshot());
+}
+
 TEST(ThreadSession, TheNumberOfThreadsChangesNoBit) {
   std::vector<State> ends;
   for (const int threads : {1, 2, 3}) {
@@ -129,6 +151,29 @@ TEST_P(ThreadSessionIn, PassagesLetGoOfRemovedCells) {
   EXPECT_EQ(state.passages, (std::vector<Index>{0, 1}));
 }
 
+/// Also those that were removed before the first step, and tips.
+TEST_P(ThreadSessionIn, NothingHoldsAtRemovedCells) {
+  Simulation sim(Wound::slabs({0.02, 0.02, 0.01}, 0.006), {.backend = GetParam()});
+  sim.scene().fix("left/x0").fix("right/x1").gravity({0, 0, -1.0});
+  const Anchor wall = at_mean(sim.model().group("right/x0"));
+  const ThreadHandle joined = sim.scene().sew("joined", {}, VecList{{-0.006, 0.01, 0.01}, {-0.004, 0.01, 0.004}});
+  joined.join(ThreadTip::last, wall);
+  const ThreadHandle free = sim.scene().add_thread("free", {.length = 0.03}, {0.003, 0.01, 0.005}, {-1, 0, 0});
+  free.join(ThreadTip::first, wall);
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  EXPECT_TRUE(sim.solver().thread_state(joined).anchored[1]);
+  const ThreadHandle stitch = sew_on(sim.scene());
+  sim.remove_cells(sim.model().cells_in([](const Vec3& x) { return x.x() > 0.0 && x.x() < 0.01; }));
+  ASSERT_TRUE(sim.advance(0.05).ok());
+  EXPECT_EQ(sim.solver().thread_state(stitch).torn, 2);
+  EXPECT_EQ(sim.solver().thread_state(stitch).passages, (std::vector<Index>{0, 1}));
+  EXPECT_EQ(sim.solver().thread_state(joined).tension[2], 0.0);
+  EXPECT_EQ(sim.solver().thread_state(joined).force[1], Vec3(0, 0, 0));
+  const Vec3 tip = sim.solver().thread_state(free).position.front();
+  ASSERT_TRUE(sim.advance(0.05).ok());
+  EXPECT_LT(sim.solver().thread_state(free).position.front().z(), tip.z() - 1e-3) << "it falls";
+}
+
 TEST(ThreadSession, StatesThatDoNotFitAreRefused) {
   Simulation sim = wound_on("reference");
   sew_on(sim.scene()).tie(0, 3, 2);
@@ -146,6 +191,11 @@ TEST(ThreadSession, StatesThatDoNotFitAreRefused) {
   EXPECT_NE(refusal([](Sewn& sewn, ThreadState&) { sewn.slides[0] = 2; }).find("\"stitch\""), std::string::npos);
   EXPECT_NE(refusal([](Sewn& sewn, ThreadState&) { sewn.tension.pop_back(); }).find("\"stitch\""), std::string::npos);
   EXPECT_NE(refusal([](Sewn& sewn, ThreadState&) { sewn.knots[0].b = 9; }).find("\"stitch\""), std::string::npos);
+  EXPECT_NE(refusal([](Sewn& sewn, ThreadState&) { sewn.position.clear(); }).find("\"stitch\""), std::string::npos);
+  EXPECT_NE(refusal([](Sewn& sewn, ThreadState&) {
+              sewn = {.name = "stitch", .anchored = {true, false}};
+            }).find("\"stitch\""),
+            std::string::npos);
   EXPECT_NE(refusal([](Sewn&, ThreadState& free) { free.position.pop_back(); }).find("\"free\""), std::string::npos);
   EXPECT_NE(refusal([](Sewn&, ThreadState& free) { free.velocity[2].x() = std::nan(""); }).find("\"free\""),
             std::string::npos);

@@ -19,19 +19,24 @@ ThreadPath::ThreadPath(const SceneThread& thread)
   state_.name = thread.name;
 }
 
-void ThreadPath::follow(const SceneThread& thread, std::span<const double> mass) {
+bool has_tissue(const Anchor& anchor, std::span<const double> mass) {
+  return std::ranges::all_of(anchor.particles, [&](Index i) { return mass[i] > 0.0; });
+}
+
+void ThreadPath::follow(const ThreadControl& control, std::span<const double> mass) {
   for (const std::size_t tip : {0, 1}) {
-    const ThreadEnd &now = thread.control.ends[tip], &before = control_.ends[tip];
+    const ThreadEnd &now = control.ends[tip], &before = control_.ends[tip];
+    const bool in_body = !now.anchor.particles.empty() || !before.anchor.particles.empty();
     // ThreadState::anchored says of a clamp that it has closed.
-    if (now.hold != before.hold || now.gap != before.gap || now.holding != before.holding) {
+    if (now.hold != before.hold || now.gap != before.gap || now.holding != before.holding ||
+        (in_body && now.anchor != before.anchor)) {
       if (known_) state_.anchored[tip] = false;
     }
   }
   known_ = true;
-  control_ = thread.control;
+  control_ = control;
   for (std::size_t p = state_.passages.size(); p-- > 0;) {
-    const Anchor& anchor = passages_[state_.passages[p]];
-    if (std::ranges::all_of(anchor.particles, [&](Index i) { return mass[i] > 0.0; })) continue;
+    if (has_tissue(passages_[state_.passages[p]], mass)) continue;
     next_ = state_;
     remove(p);
     ++next_.torn;
@@ -65,11 +70,16 @@ void ThreadPath::begin(TouchedParticles& touched, const std::array<Outside, 2>& 
   pieces_.clear();
   if (passages_.empty()) return;
   if (next_.rest_length.empty()) {
-    for (std::size_t row = 0; row < passages_.size(); ++row) next_.passages.push_back(static_cast<Index>(row));
-    next_.slides.assign(passages_.size(), 0);
-    next_.rest_length.assign(passages_.size() + 1, -1.0);
-    next_.tension.assign(passages_.size() + 1, 0.0);
-    next_.broken.assign(passages_.size() + 1, 0);
+    for (std::size_t row = 0; row < passages_.size(); ++row) {
+      if (has_tissue(passages_[row], touched.mass())) next_.passages.push_back(static_cast<Index>(row));
+    }
+    const std::size_t left = next_.passages.size();
+    next_.torn = static_cast<int>(passages_.size() - left);
+    if (left == 0) return;
+    next_.slides.assign(left, 0);
+    next_.rest_length.assign(left + 1, -1.0);
+    next_.tension.assign(left + 1, 0.0);
+    next_.broken.assign(left + 1, 0);
   }
   const std::size_t last = next_.passages.size() + 1;
   anchors_.assign(last + 1, nullptr);
@@ -252,7 +262,7 @@ void ThreadPath::push(TouchedParticles& touched) {
     if (anchors_[i] == nullptr) continue;
     for (std::size_t k = 0; k < anchors_[i]->particles.size(); ++k) {
       TouchedParticles::Touched& particle = touched[touched.slot(anchors_[i]->particles[k])];
-      TouchedParticles::push(particle, touched.dt() * anchors_[i]->weights[k] * force_[i]);
+      TouchedParticles::pull(particle, touched.dt() * anchors_[i]->weights[k] * force_[i]);
     }
   }
   next_.position.resize(place_.size());
@@ -305,10 +315,9 @@ void ThreadPath::note_events() {
     if (slip > 0.0) take_from_tails(slip);
     ++piece;
   }
-  for (std::size_t k = 0; k < segments; ++k) {
-    next_.tension[k] = pieces_[k].tension;
-    if (pieces_[k].tension > thread_.breaking_force) next_.broken[k] = 1;
-  }
+  for (std::size_t k = 0; k < segments; ++k) next_.tension[k] = pieces_[k].tension;
+  const auto most = std::ranges::max_element(next_.tension);
+  if (*most > thread_.breaking_force) next_.broken[most - next_.tension.begin()] = 1;
   for (std::size_t p = next_.passages.size(); p-- > 0;) {
     if (!(force_[p + 1].norm() > thread_.passage_limit)) continue;
     remove(p);
@@ -322,17 +331,19 @@ void ThreadPath::note_events() {
   for (double& rest : next_.rest_length) rest = std::max(rest, 0.0);
 }
 
-/// The first that a tip, or an end where the thread broke, has gone through: no length of it is left.
+/// The first that a tip, or an end where the thread broke, has gone through: no length of it is left. A segment that
+/// broke has two ends: the one that slides is through.
 std::size_t ThreadPath::passage_left() const {
   const std::size_t last = next_.passages.size();
-  const auto is_through = [&](std::size_t k) {
+  const auto is_through = [&](std::size_t p, std::size_t k) {
     const bool tail = k == 0 || k == last;
     const TipHold hold = control_.ends[k > 0].hold;
-    const bool loose = next_.broken[k] || (tail && (hold == TipHold::pulled || hold == TipHold::clamped));
-    return loose && next_.rest_length[k] <= 0.0;
+    const bool tip = tail && (hold == TipHold::pulled || hold == TipHold::clamped || next_.broken[k]);
+    const bool end = next_.broken[k] && next_.slides[p] == (k == p ? 1 : -1);
+    return (tip || end) && next_.rest_length[k] <= 0.0;
   };
   std::size_t p = 0;
-  while (p < last && !(is_free_row(next_.passages[p]) && (is_through(p) || is_through(p + 1)))) ++p;
+  while (p < last && !(is_free_row(next_.passages[p]) && (is_through(p, p) || is_through(p, p + 1)))) ++p;
   return p;
 }
 

@@ -17,14 +17,17 @@
 
 namespace phymul {
 
+/// Whether none of its particles was removed. `mass`: of all particles, kg.
+bool has_tissue(const Anchor& anchor, std::span<const double> mass);
+
 class ThreadPath {
  public:
   explicit ThreadPath(const SceneThread& thread);
 
   const ThreadState& state() const { return state_; }
   void restore(const ThreadState& state);  ///< of a thread that was just made
-  /// Takes over what holds the thread; `mass`: of all particles, kg. Passages of removed particles let go.
-  void follow(const SceneThread& thread, std::span<const double> mass);
+  /// Takes over what holds the thread. Passages of removed particles let go.
+  void follow(const ThreadControl& control, std::span<const double> mass);
   std::vector<Index> particles() const;  ///< that it may pull, some more than once
 
   /// A tip that is anchored outside the body: where, m, at the start and the end of the step.

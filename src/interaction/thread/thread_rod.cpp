@@ -226,9 +226,8 @@ void ThreadRod::accept() {
   }
   state_.tension = tension_;
   state_.force = force_;
-  for (std::size_t k = 0; k < tension_.size(); ++k) {
-    if (tension_[k] > breaking_force_) state_.broken[k] = 1;
-  }
+  const auto most = std::ranges::max_element(tension_);
+  if (*most > breaking_force_) state_.broken[most - tension_.begin()] = 1;  // then nothing pulls the others
 }
 
 }  // namespace phymul

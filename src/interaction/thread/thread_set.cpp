@@ -27,7 +27,10 @@ ThreadSet::Moving ThreadSet::made(const SceneThread& thread) {
 void ThreadSet::look(Moving& thread, const SceneThread& wanted, std::span<const double> mass) {
   thread.seen = wanted.changes;
   thread.control = wanted.control;
-  if (auto* const path = std::get_if<ThreadPath>(&thread.body)) path->follow(wanted, mass);
+  for (ThreadEnd& end : thread.control.ends) {
+    if (!has_tissue(end.anchor, mass)) end = {};  // lets go
+  }
+  if (auto* const path = std::get_if<ThreadPath>(&thread.body)) path->follow(thread.control, mass);
 }
 
 void ThreadSet::follow(const Scene& scene) {
@@ -147,7 +150,7 @@ void ThreadSet::act(ThreadRod& rod, const ThreadControl& control, TouchedParticl
         if (mobility[t][a] > 0.0) force[a] = (rod.way(ends[t])[a] - tips[t].way[a]) / (dt * dt * mobility[t][a]);
       }
       for (std::size_t k = 0; k < anchor.particles.size(); ++k) {
-        TouchedParticles::push(touched[touched.slot(anchor.particles[k])], dt * anchor.weights[k] * force);
+        TouchedParticles::pull(touched[touched.slot(anchor.particles[k])], dt * anchor.weights[k] * force);
       }
     } else if (tips[t].tool.force != nullptr) {
       pull(tips[t].tool, tips[t].place, force);

@@ -56,7 +56,8 @@ void ThreadPath::loosen(std::size_t tip) {
   if (!is_anchored(1 - tip)) rest[other] = std::max(rest[other] - by, 0.0);
 }
 
-/// Closes a clip: the segment next to the tip goes to its length in the steps of the call, and its thread to the tail.
+/// Closes a clip: the segment next to the tip goes to its length in the steps of the call, and its thread to the tail;
+/// of a segment between two clamps to that of the first, which lets it through again.
 void ThreadPath::draw(std::size_t tip, int steps_left) {
   std::vector<double>& rest = next_.rest_length;
   if (!is_clamped(tip) || next_.anchored[tip] || rest.size() < 3) return;
@@ -65,7 +66,7 @@ void ThreadPath::draw(std::size_t tip, int steps_left) {
   next_.anchored[tip] = steps_left == 1;
   if (control_.ends[tip].gap < 0.0 || !(by > 0.0)) return;
   segment -= by;
-  (tip == 0 ? rest.front() : rest.back()) += by;
+  (tip == 0 || (rest.size() == 3 && is_clamped(0)) ? rest.front() : rest.back()) += by;
 }
 
 }  // namespace phymul

@@ -51,6 +51,7 @@ Vec3 mobility_between(TouchedParticles& touched, const Anchor& a, const Anchor& 
     const auto own = std::ranges::find(b.particles, a.particles[k]);
     if (own == b.particles.end()) continue;
     const TouchedParticles::Touched& particle = touched[touched.slot(*own)];
+    if (particle.held) continue;
     const double both = a.weights[k] * b.weights[static_cast<std::size_t>(own - b.particles.begin())];
     sum += particle.free_part(Vec3::Constant(both * particle.inverse_mass));
   }
@@ -58,7 +59,17 @@ Vec3 mobility_between(TouchedParticles& touched, const Anchor& a, const Anchor& 
 }
 
 void ThreadTensions::find_couplings(TouchedParticles& touched) {
-  if (known_ == points) return;
+  bool same = known_ == points;
+  std::size_t count = 0;
+  for (const Anchor* const point : points) {
+    for (std::size_t k = 0; point != nullptr && k < point->particles.size(); ++k, ++count) {
+      if (count == held_.size()) held_.push_back(0);
+      const std::uint8_t held = touched[touched.slot(point->particles[k])].held ? 1 : 0;
+      same = same && held_[count] == held;
+      held_[count] = held;
+    }
+  }
+  if (same) return;
   known_ = points;
   const std::size_t n = points.size();
   coupling_.assign(n * n, Vec3::Zero());
@@ -187,7 +198,12 @@ bool ThreadTensions::starts_sliding() {
     const double most = low * bends[p].growth + bends[p].channel;
     if (high <= most + of_tension * (high + least_tension)) continue;
     const std::size_t first = first_of_group(p), end = end_from(p + 1);
-    if (given_in(pieces, first, p + 1) <= p && given_in(pieces, p + 1, end) < end) continue;  // which of them holds?
+    if (given_in(pieces, first, p + 1) <= p && given_in(pieces, p + 1, end) < end) {  // which of them holds?
+      std::size_t holds = first;
+      while (holds + 1 < end && !(bends[holds].slides != 0 && bends[holds].channel > bends[p].channel)) ++holds;
+      if (holds + 1 == end) continue;
+      bends[holds].slides = 0;  // the stronger clamp
+    }
     bends[p].slides = pieces[p + 1].tension > pieces[p].tension ? 1 : -1;
     for (std::size_t k = first; k < end; ++k) parts_[k].slack = false;
     return true;

@@ -56,10 +56,11 @@ inline std::size_t given_in(const std::vector<ThreadPiece>& pieces, std::size_t 
   return k;
 }
 
-/// 1/kg, by axis: velocity of one anchor's mean under an impulse on the other's. 0 unless they share particles.
+/// 1/kg, by axis: velocity of one anchor's mean under an impulse on the other's. 0 unless they share particles that no
+/// tool holds.
 Vec3 mobility_between(TouchedParticles& touched, const Anchor& a, const Anchor& b);
 
-/// For one set of threads, of one scene as it is: inverse masses of points are found once.
+/// For one set of threads, of one scene as it is: inverse masses of points are found once, and when tools hold others.
 class ThreadTensions {
  public:
   void clear();
@@ -93,6 +94,7 @@ class ThreadTensions {
 
   std::vector<Part> parts_;             // [pieces]
   std::vector<const Anchor*> known_;    // points whose couplings are known
+  std::vector<std::uint8_t> held_;      // of their particles: Touched::held
   VecList coupling_;                    // [points][points] 1/kg, by axis
   std::vector<double> stiffness_;       // [pieces][pieces] m/N: dt^2 G W G^T + l / EA
   std::vector<double> matrix_, value_;  // of the unknowns
