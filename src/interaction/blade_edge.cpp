@@ -9,8 +9,6 @@ namespace phymul {
 namespace {
 
 constexpr int edge_sweeps = 4;
-constexpr double points_in_spacing = 4.0;
-constexpr double most_points = 1e4;  // so that an edge of any length has room
 /// Spacings: tissue that is farther from its point of the edge, aside or behind, has been left.
 constexpr double left_behind = 1.0;
 constexpr int farthest_walk = 30;  // sites

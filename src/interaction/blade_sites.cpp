@@ -9,6 +9,12 @@
 #include "model/cell_geometry.h"
 
 namespace phymul {
+namespace {
+
+constexpr double points_in_spacing = 4.0;
+constexpr double most_points = 1e4;  // so that an edge of any length has room
+
+}  // namespace
 
 void BladeEdge::build() {
   double volume = 0.0, area = 0.0;
