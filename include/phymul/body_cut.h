@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What one cut changed of a body of tetrahedra or walls, as data: with it the cut can be made and undone without its surface.
+// What one cut changed of a body of tetrahedra or walls, as data: with it the cut can be made and undone without its
+// surface.
 #pragma once
 
 #include <phymul/model.h>

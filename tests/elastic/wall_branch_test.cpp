@@ -88,7 +88,7 @@ TEST(WallBranch, FrameMovesAsOneOfBeams) {
   }
 }
 
-/// A fin takes nothing of the strip that it hangs on.
+/// A thin fin does not change the bending stiffness of the strip to which it is joined.
 TEST(WallBranch, AThinFinLeavesTheStripAsStiffAsItWas) {
   const double wanted = 1e-6 * std::pow(2.0 * length, 3) / (192.0 * young * inertia(thick));
   const Model model = strips(16, 0.2, 0.05 * thick);

@@ -179,7 +179,7 @@ TEST_P(ThreadIn, HangsFromATool) {
   EXPECT_EQ(solver->thread_state(thread).force[0], solver->tool_force("hand").force);
 }
 
-/// Threads do not pull what a tool holds out of its grip, and the tool feels them.
+/// Threads do not move particles that a tool holds, and the tool feels the force of the threads.
 TEST_P(ThreadIn, PullAtAToolThroughWhatItHolds) {
   const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.05, 0, 0)}, 1e-4);
   Scene scene(model);

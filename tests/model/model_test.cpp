@@ -200,7 +200,10 @@ TEST(Validate, NamesTheFirstOffender) {
       {[](Model& m) { change_extras(m, [](FileExtras& e) { e.particle_name.resize(3); }); }, "expected extras of 8"},
       {[](Model& m) { change_extras(m, [](FileExtras& e) { e.particle_fields.resize(3); }); }, "expected extras of 8"},
       {[](Model& m) { m.rest[5].y() = not_a_number; }, "particle 5: expected finite coordinates"},
-      {[](Model& m) { m.cells[0].cuts.push_back({1, 1, -1, -1}); }, "expected cuts of tetrahedra and triangles alone"},
+      {[](Model& m) {
+         m.cells[0].cuts.push_back({1, 1, -1, -1});
+       },
+       "expected cuts of tetrahedra and triangles alone"},
       {[](Model& m) { m.mass[2] = m.mass[6] = 0.0; }, "particle 2: expected a positive, finite mass"},
       {[](Model& m) { m.mass[2] = INFINITY; }, "particle 2: expected a positive, finite mass"},
       {[](Model& m) { m.stiffness[3] = -1.0; }, "particle 3: expected a finite stiffness"},

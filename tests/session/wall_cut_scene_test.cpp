@@ -88,7 +88,7 @@ TEST(WallCutScene, BladeCutsASheet) {
   }
 }
 
-/// Toughness times thickness along the way, however the edge leans; and a blade that is restored goes on as it did.
+/// The force along the motion is toughness times thickness at any inclination of the edge. A restored blade repeats it.
 TEST(WallCutScene, BladeFeelsToughnessTimesThickness) {
   for (const double lean : {0.0, 30.0, -45.0}) {
     SCOPED_TRACE(lean);

@@ -321,7 +321,7 @@ TEST(WallCut, CapsuleIsCutWithItsBody) {
   EXPECT_NEAR(parts / skin, 1.0, 1e-12);
 }
 
-/// A wall that hangs on a body by an edge alone stays there where the body beside it is cut.
+/// A wall that shares only an edge with a body stays joined to it when the body is cut beside that edge.
 TEST(WallCut, WallOnAnEdgeStaysJoined) {
   const Model model = block_with_fin();
   const Model cut = cut_body(model, cut_plane({0.0, 0.007, 0.0}, {0.0, 1.0, 0.0}));
