@@ -2,8 +2,8 @@
 //
 // What joints, threads and materials that dissipate cost a step of the backend cpu, on one thread: solvers of one body
 // of 2,744 particles with more and more of them take turns. Medians of processor time over the turns, and ratios to the
-// first, which has none.
-//   step_costs joints|threads|dissipation [turns]
+// first, which has none. Walls: thin bodies of about as many particles beside that body, and one of them with a fluid.
+//   step_costs joints|threads|dissipation|walls [turns]
 #include <phymul/phymul.h>
 
 #include <algorithm>
@@ -22,13 +22,14 @@ namespace {
 using namespace phymul;
 
 constexpr const char* usage =
-    "usage: step_costs joints|threads|dissipation [turns]   what these cost a step of cpu; 41 turns by default";
+    "usage: step_costs joints|threads|dissipation|walls [turns]   what these cost a step of cpu; 41 turns by default";
 constexpr int steps_a_turn = 50;
 
 struct Case {
   Case(std::string name_in, const Model& model, const std::function<void(Scene&)>& add = {})
       : name(std::move(name_in)), scene(model) {
-    scene.fix("z0").gravity({0, 0, -9.81});
+    const double low = std::ranges::min_element(model.rest, {}, [](const Vec3& x) { return x.z(); })->z();
+    scene.fix(model.particles_in([low](const Vec3& x) { return x.z() < low + 1e-9; })).gravity({0, 0, -9.81});
     if (add) add(scene);
     solver = make_solver("cpu", model, scene, {}, {.damping = {.rate = 5.0}, .threads = 1});
   }
@@ -54,8 +55,9 @@ void measure(const char* body, Cases cases, int turns) {
     std::ranges::sort(one->us);
     const double median = one->us[one->us.size() / 2];
     if (without == 0.0) without = median;
-    std::printf("  %-32s %7.1f, %+7.1f, ratio %.3f; stable step %.3g s\n", one->name.c_str(), median, median - without,
-                median / without, one->solver->stable_step());
+    std::printf("  %-32s %7.1f, %+7.1f, ratio %.3f; %.1f million particle-steps/s; stable step %.3g s\n",
+                one->name.c_str(), median, median - without, median / without,
+                one->scene.model().particle_count() / median, one->solver->stable_step());
   }
 }
 
@@ -120,6 +122,24 @@ Cases dissipation(const Model& body, std::vector<Model>& models) {
   return cases;
 }
 
+/// `bag` keeps that body.
+Cases walls(const Model& body, Model& bag) {
+  const Model ball = make_body(solid_ball({0, 0, 0}, 0.025), {.spacing = 2.1e-3});
+  const Surface surface{.vertices = ball.rest, .triangles = surface_triangles(ball), .notes = {}};
+  bag = make_wall(surface, {.material = {.young = 10e3, .poisson = 0.4, .density = 1000, .thickness = 2e-3}});
+  double volume = 0.0;
+  for (const auto& [a, b, c] : surface_triangles(bag)) {
+    volume += bag.rest[a].dot(bag.rest[b].cross(bag.rest[c])) / 6.0;
+  }
+  Cases cases;
+  cases.push_back(std::make_unique<Case>("tetrahedra", body));
+  cases.push_back(std::make_unique<Case>("bag of " + std::to_string(bag.particle_count()) + " particles", bag));
+  cases.push_back(std::make_unique<Case>("the bag filled", bag, [&](Scene& scene) {
+    scene.constrain_volume({.triangles = surface_triangles(bag), .volume = volume});
+  }));
+  return cases;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -136,6 +156,9 @@ int main(int argc, char** argv) try {
     std::vector<Model> models;
     measure("tetrahedra", dissipation(model, models), turns);
     measure("hexahedra", dissipation(make_block({0.06, 0.06, 0.06}, 13, 13, 13), models), turns);
+  } else if (what == "walls") {
+    Model bag;
+    measure("bodies", walls(model, bag), turns);
   } else {
     return std::puts(usage), 2;
   }

@@ -31,7 +31,7 @@ PHYMUL_INLINE Pack literal(float x) {
   return all(x);
 }
 PHYMUL_INLINE Pack square_root(Pack x) {
-  return x * inverse_root(x);
+  return root(x);
 }
 PHYMUL_INLINE Pack inner_product(Pack3 a, Pack3 b) {
   return dot(a, b);

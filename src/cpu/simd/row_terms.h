@@ -63,49 +63,77 @@ void volume_rows(const simd::Job& job) {
   }
 }
 
-/// Triangles of walls (glsl/kernels/wall.glsl).
+/// A row of triangles of walls (glsl/kernels/wall.glsl) on its way.
+struct WallRow {
+  const float* row;
+  std::int32_t offset[6 * lanes];
+  Pack3 d[5], T1, T2, H1, H2;
+  Wall::WallFrame now;
+  Wall::WallStress stress;
+
+  PHYMUL_INLINE Pack column(int k) const { return load(row + k * lanes); }
+  PHYMUL_INLINE Pack gradient(int k, int a) const { return column(21 + 2 * k + a); }
+  PHYMUL_INLINE Pack hessian(int k, int ab) const { return column(31 + 3 * k + ab); }
+};
+
+PHYMUL_INLINE void take_wall_row(const simd::Job& job, int r, WallRow& w) {
+  w.row = job.walls.rows + static_cast<std::int64_t>(r) * simd::wall_columns * lanes;
+  if (job.rows_far) prefetch_rows<simd::wall_columns>(w.row);
+  PHYMUL_COPY(w.offset, w.row, sizeof w.offset);
+  const Pack3 u0 = gather(job.u, w.offset);
+  Pack3 H1{}, H2{};
+  for (int k = 0; k < 5; ++k) {
+    w.d[k] = gather(job.u, w.offset + (k + 1) * lanes) - u0;
+    H1 += w.gradient(k, 0) * w.d[k];
+    H2 += w.gradient(k, 1) * w.d[k];
+  }
+  w.H1 = H1;
+  w.H2 = H2;
+  w.T1 = load3(w.row + 6 * lanes);
+  w.T2 = load3(w.row + 9 * lanes);
+  w.now = Wall::wall_frame(w.T1, w.T2, H1, H2);
+}
+
+PHYMUL_INLINE void add_wall_row(const simd::Job& job, const WallRow& w) {
+  const Pack3 X[3] = {load3(w.row + 12 * lanes), load3(w.row + 15 * lanes), load3(w.row + 18 * lanes)};
+  Pack change[3];
+  for (int ab = 0; ab < 3; ++ab) change[ab] = dot(w.now.turn, X[ab]);
+  for (int k = 0; k < 5; ++k) {
+    const Pack out = dot(w.now.normal, w.d[k]);
+    for (int ab = 0; ab < 3; ++ab) change[ab] += w.hessian(k, ab) * out;
+  }
+  const Pack moment[3] = {w.column(46) * change[0] + w.column(51) * change[1] + w.column(50) * change[2],
+                          w.column(51) * change[0] + w.column(47) * change[1] + w.column(49) * change[2],
+                          w.column(50) * change[0] + w.column(49) * change[1] + w.column(48) * change[2]};
+  Pack3 by_normal = moment[0] * X[0] + moment[1] * X[1] + moment[2] * X[2];
+  Pack share[5];
+  for (int k = 0; k < 5; ++k) {
+    share[k] = w.hessian(k, 0) * moment[0] + w.hessian(k, 1) * moment[1] + w.hessian(k, 2) * moment[2];
+    by_normal += share[k] * w.d[k];
+  }
+  Pack3 P1, P2, sum{};
+  Wall::wall_pulls(w.now, w.stress, by_normal, P1, P2);
+  for (int k = 0; k < 5; ++k) {
+    const Pack3 pull = w.gradient(k, 0) * P1 + w.gradient(k, 1) * P2 + share[k] * w.now.normal;
+    scatter_add(job.force, w.offset + (k + 1) * lanes, -pull);
+    sum = sum + pull;
+  }
+  scatter_add(job.force, w.offset, sum);
+}
+
+/// The stresses of several rows are found together: each is a long chain of divisions, and a processor looks ahead over
+/// several chains but not over a whole row.
 inline void wall_rows(const simd::Job& job) {
-  for (int r = 0; r < job.walls.count; ++r) {
-    const float* row = job.walls.rows + static_cast<std::int64_t>(r) * simd::wall_columns * lanes;
-    if (job.rows_far) prefetch_rows<simd::wall_columns>(row);
-    const auto column = [&](int k) PHYMUL_INLINED { return load(row + k * lanes); };
-    const auto gradient = [&](int k, int a) PHYMUL_INLINED { return column(21 + 2 * k + a); };
-    const auto hessian = [&](int k, int ab) PHYMUL_INLINED { return column(31 + 3 * k + ab); };
-    std::int32_t offset[6 * lanes];
-    PHYMUL_COPY(offset, row, sizeof offset);
-    const Pack3 u0 = gather(job.u, offset);
-    Pack3 d[5], H1{}, H2{};
-    for (int k = 0; k < 5; ++k) {
-      d[k] = gather(job.u, offset + (k + 1) * lanes) - u0;
-      H1 += gradient(k, 0) * d[k];
-      H2 += gradient(k, 1) * d[k];
+  constexpr int most = 4;
+  WallRow rows[most];
+  for (int first = 0; first < job.walls.count; first += most) {
+    const int count = job.walls.count - first < most ? job.walls.count - first : most;
+    for (int k = 0; k < count; ++k) take_wall_row(job, first + k, rows[k]);
+    for (int k = 0; k < count; ++k) {
+      WallRow& w = rows[k];
+      w.stress = Wall::wall_stress(w.now, w.T1, w.T2, w.H1, w.H2, w.column(52), w.column(53));
     }
-    const Pack3 T1 = load3(row + 6 * lanes), T2 = load3(row + 9 * lanes);
-    const auto now = Wall::wall_frame(T1, T2, H1, H2);
-    const Pack3 X[3] = {load3(row + 12 * lanes), load3(row + 15 * lanes), load3(row + 18 * lanes)};
-    Pack change[3];
-    for (int ab = 0; ab < 3; ++ab) change[ab] = dot(now.turn, X[ab]);
-    for (int k = 0; k < 5; ++k) {
-      const Pack out = dot(now.normal, d[k]);
-      for (int ab = 0; ab < 3; ++ab) change[ab] += hessian(k, ab) * out;
-    }
-    const Pack moment[3] = {column(46) * change[0] + column(51) * change[1] + column(50) * change[2],
-                            column(51) * change[0] + column(47) * change[1] + column(49) * change[2],
-                            column(50) * change[0] + column(49) * change[1] + column(48) * change[2]};
-    Pack3 by_normal = moment[0] * X[0] + moment[1] * X[1] + moment[2] * X[2];
-    Pack share[5];
-    for (int k = 0; k < 5; ++k) {
-      share[k] = hessian(k, 0) * moment[0] + hessian(k, 1) * moment[1] + hessian(k, 2) * moment[2];
-      by_normal += share[k] * d[k];
-    }
-    Pack3 P1, P2, sum{};
-    Wall::wall_stress(now, T1, T2, H1, H2, by_normal, column(52), column(53), P1, P2);
-    for (int k = 0; k < 5; ++k) {
-      const Pack3 pull = gradient(k, 0) * P1 + gradient(k, 1) * P2 + share[k] * now.normal;
-      scatter_add(job.force, offset + (k + 1) * lanes, -pull);
-      sum = sum + pull;
-    }
-    scatter_add(job.force, offset, sum);
+    for (int k = 0; k < count; ++k) add_wall_row(job, rows[k]);
   }
 }
 
