@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "fluid_push.h"
 
@@ -36,7 +37,6 @@ KeptVolumes::Surface KeptVolumes::made(const VolumeConstraint& kept) {
   for (VecList* list : {&surface.start, &surface.end, &surface.gradient, &surface.along}) {
     list->resize(surface.particles.size());
   }
-  surface.slots.resize(surface.particles.size());
   surface.now.name = surface.next.name = kept.name;
   return surface;
 }
@@ -61,6 +61,14 @@ void KeptVolumes::follow(const Scene& scene) {
     }
   }
   surfaces_ = std::move(now);
+  for (Surface& surface : surfaces_) {
+    surface.shares = std::ranges::any_of(surfaces_, [&](const Surface& other) {
+      std::vector<Index> both;
+      if (&other != &surface)
+        std::ranges::set_intersection(surface.particles, other.particles, std::back_inserter(both));
+      return !both.empty();
+    });
+  }
 }
 
 void KeptVolumes::reset(const Scene& scene, const State& state) {
@@ -109,29 +117,31 @@ void KeptVolumes::accept() {
 }
 
 bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
+  // Copies of all particles would take longer than all else here.
+  if (surface.shares) {
+    for (const Index particle : surface.particles) touched.slot(particle);
+  }
+  touched.fetch(surface.particles, surface.start, surface.end);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
-    surface.slots[k] = touched.slot(surface.particles[k]);
-    const TouchedParticles::Touched& particle = touched[surface.slots[k]];
-    surface.start[k] = particle.position;
-    surface.end[k] = particle.end(touched.dt()) + particle.shift;
+    surface.end[k] = surface.start[k] + touched.dt() * surface.end[k];
+    if (const auto* copy = touched.find(surface.particles[k])) surface.end[k] += copy->shift;
   }
   volume_gradient(surface.triangles, surface.start, surface.gradient);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
-    const TouchedParticles::Touched& particle = touched[surface.slots[k]];
-    surface.gradient[k] = past_friction(surface.gradient[k], particle.rubbed);
-    surface.along[k] = particle.inverse_mass * surface.gradient[k];
-    for (int a = 0; a < 3; ++a) {
-      if (particle.held || (particle.fixed >> a & 1) != 0) surface.along[k][a] = 0.0;
-    }
+    const Index particle = surface.particles[k];
+    const auto* copy = touched.find(particle);
+    if (copy != nullptr) surface.gradient[k] = past_friction(surface.gradient[k], copy->rubbed);
+    const bool held = copy != nullptr && copy->held;
+    surface.along[k] = held ? Vec3(Vec3::Zero())
+                            : free_part(touched.inverse_mass(particle) * surface.gradient[k], touched.fixed(particle));
   }
   FluidPush push{.fluid = surface.law, .volume = surface.now.volume, .dt = touched.dt()};
   if (push.has_law()) {
     push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
     push.before = surface.has_pressure ? surface.now.pressure_before : push.now;
   }
-  const double reached = enclosed_volume(surface.triangles, surface.end);
-  const auto along = volume_along(surface.triangles, surface.end, surface.along);
-  auto s = root_of_cubic(along, [&](double at) -> WantedVolume {
+  const auto [reached, growth] = volume_along(surface.triangles, surface.end, surface.along);
+  auto s = root_of_cubic(growth, [&](double at) -> WantedVolume {
     const WantedVolume all = push(at);
     return {all.volume - reached, all.slope};
   });
@@ -148,9 +158,14 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   // number, whose particle is found out elsewhere.
   if (!s) return !(std::abs(surface.now.volume - reached) > rounded_volume_share * surface.now.volume);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
-    TouchedParticles::Touched& particle = touched[surface.slots[k]];
     // s d is a way; over dt a velocity, times the mass an impulse.
-    if (!particle.held) TouchedParticles::push(particle, *s / touched.dt() * surface.gradient[k]);
+    const Vec3 impulse = *s / touched.dt() * surface.gradient[k];
+    auto* copy = touched.find(surface.particles[k]);
+    if (copy == nullptr) {
+      touched.push_last(surface.particles[k], impulse);
+    } else if (!copy->held) {
+      TouchedParticles::push(*copy, impulse);
+    }
   }
   return true;
 }

@@ -34,8 +34,8 @@ class KeptVolumes {
     std::vector<Index> particles;
     std::vector<std::array<Index, 3>> triangles;  // rows of `particles`
     bool open = false;                            // not kept
+    bool shares = false;                          // particles, with another surface
     VecList start, end, gradient, along;          // [particles]
-    std::vector<std::size_t> slots;               // [particles], of this step
     Fluid law;
     FluidState now, next;
     bool has_pressure = false;  // now.pressure_before is that of a step, of this much fluid

@@ -40,13 +40,18 @@ std::size_t TouchedParticles::slot(Index particle) {
     slot = static_cast<Index>(touched_.size());
     Touched& touched = touched_.emplace_back();
     touched.particle = particle;
-    touched.inverse_mass = mass_[particle] > 0.0 ? 1.0 / mass_[particle] : 0.0;
-    touched.fixed = static_cast<std::uint8_t>((fixed_.empty() ? 0 : fixed_[particle]) | (plane_ ? 4 : 0));
+    touched.inverse_mass = inverse_mass(particle);
+    touched.fixed = fixed(particle);
     touched.position = step_->position(particle);
     touched.velocity = step_->predicted_velocity(particle);
     touched.withheld = step_->withheld(particle);
   }
   return static_cast<std::size_t>(slot);
+}
+
+void TouchedParticles::push_last(Index particle, const Vec3& impulse) {
+  const Vec3 taken = free_part(impulse, fixed(particle));
+  if (taken != Vec3::Zero()) step_->add_force(particle, taken / dt_);
 }
 
 void TouchedParticles::fetch(std::span<const Index> rows, VecList& position, VecList& velocity) const {

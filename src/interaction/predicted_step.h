@@ -55,6 +55,14 @@ class PredictedStep {
   PredictedStep& operator=(const PredictedStep&) = default;
 };
 
+/// Bit a of `fixed`: coordinate a takes nothing.
+inline Vec3 free_part(Vec3 vector, std::uint8_t fixed) {
+  for (int a = 0; a < 3; ++a) {
+    if (fixed >> a & 1) vector[a] = 0.0;
+  }
+  return vector;
+}
+
 /// The particles of a step that something touches: copies in double precision whose velocities take impulses one after
 /// the other; the backend gets each sum once. Between begin() and end(); only prepare() allocates.
 class TouchedParticles {
@@ -72,12 +80,7 @@ class TouchedParticles {
     Vec3 handed_on{0, 0, 0};    // N s, to the tool that holds it: of pull()
     Vec3 rubbed{0, 0, 0};       // normal of a tool with ToolContact::surface that presses it, times its friction
     Vec3 end(double dt) const { return position + dt * velocity; }
-    Vec3 free_part(Vec3 vector) const {
-      for (int a = 0; a < 3; ++a) {
-        if (fixed >> a & 1) vector[a] = 0.0;
-      }
-      return vector;
-    }
+    Vec3 free_part(const Vec3& vector) const { return phymul::free_part(vector, fixed); }
   };
 
   /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
@@ -107,6 +110,15 @@ class TouchedParticles {
     return touched_[slot].end(dt_) + touched_[slot].shift;
   }
   std::size_t slot(Index particle);  ///< fetched at the first call in a step; references before it are no longer good
+  /// Null where it has no copy.
+  Touched* find(Index particle) { return slot_of_[particle] < 0 ? nullptr : &touched_[slot_of_[particle]]; }
+  double inverse_mass(Index particle) const { return mass_[particle] > 0.0 ? 1.0 / mass_[particle] : 0.0; }
+  std::uint8_t fixed(Index particle) const {
+    return static_cast<std::uint8_t>((fixed_.empty() ? 0 : fixed_[particle]) | (plane_ ? 4 : 0));
+  }
+  /// What of an impulse the free coordinates take, to a particle without a copy, which nothing asks for or pushes
+  /// later in this step.
+  void push_last(Index particle, const Vec3& impulse);
 
   /// Adds what of an impulse the free coordinates take, and returns that. Here, because needles and contacts call it
   /// thousands of times a step.
