@@ -304,22 +304,26 @@ bool ContactCandidates::meet(const Cluster& cluster, std::size_t body) {
   return !met_.empty();
 }
 
-/// m: a triangle is no nearer; infinite where it is not within `distance_limit`, m. Its box alone says so where the
-/// triangle is so thin that rounding may put the nearest point anywhere on it.
-double ContactCandidates::least_distance(const Vec3& x, Index item, double distance_limit) const {
+/// Infinite where it is not within `distance_limit`, m. The box of a triangle alone says so where that is so thin that
+/// rounding may put the nearest point anywhere on it.
+ContactCandidates::Distance ContactCandidates::distance_to(const Vec3& x, Index item, double distance_limit) const {
   const double of_box = distance(Box{x, x}, item_box_[item]);
-  if (of_box > distance_limit * distance_limit) return HUGE_VAL;
+  if (of_box > distance_limit * distance_limit) return {};
   const auto& corner = surface_->triangles[triangles_.items[item]].corner;
   const Vec3 &a = then_[corner[0]], &b = then_[corner[1]], &c = then_[corner[2]];
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-  if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) return (1.0 - of_nearest) * std::sqrt(of_box);
+  if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) {
+    return {(1.0 - of_nearest) * std::sqrt(of_box), HUGE_VAL};
+  }
   const Vec3 share = closest_point(x, a, b, c);
   const double off = (x - (share[0] * a + share[1] * b + share[2] * c)).norm();
-  return off > (1.0 + of_nearest) * distance_limit ? HUGE_VAL : (1.0 - of_nearest) * off;
+  if (off > (1.0 + of_nearest) * distance_limit) return {};
+  return {(1.0 - of_nearest) * off, (1.0 + of_nearest) * off};
 }
 
 /// Nothing where all triangles are too far away by their own edges. Else those too that may rank before one that is
-/// not: longer edges let that out further.
+/// not: longer edges let that out further. What is further than the nearest, which is not deep, by more than both may
+/// move, ranks behind that while the search holds.
 bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t body) {
   const ContactSurface::Particle& own = surface_->particles[particle];
   const Box here{x, x};
@@ -327,22 +331,36 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   const auto triangle_of = [&](Index item) -> const ContactSurface::Triangle& {
     return surface_->triangles[triangles_.items[item]];
   };
-  double furthest = 0.0;
+  const double facing = (1.0 + of_length) * ContactSurface::facing_share * surface_->longest_edge;
+  double furthest = 0.0, nearest = HUGE_VAL;
   for (const Index item : met_) {
-    const double distance_limit = std::max(item_search_[item], usual);
-    if (distance_limit <= furthest || distance(here, item_box_[item]) > distance_limit * distance_limit) continue;
-    if (surface_->is_own_skin(own, particle, triangle_of(item))) continue;
-    if (least_distance(x, item, distance_limit) != HUGE_VAL) furthest = distance_limit;
+    const double distance_limit = std::max(item_search_[item], usual), off = distance(here, item_box_[item]);
+    const bool may_reach = distance_limit > furthest, may_be_nearest = off < nearest * nearest;
+    if (!(may_reach || may_be_nearest) || off > distance_limit * distance_limit) continue;
+    const ContactSurface::Triangle& triangle = triangle_of(item);
+    if (surface_->is_own_skin(own, particle, triangle)) continue;
+    const Distance found = distance_to(x, item, distance_limit);
+    if (found.least == HUGE_VAL) continue;
+    furthest = std::max(furthest, distance_limit);
+    const double shallow = ContactSurface::depth_factor * std::max(triangle.edge, own.edge);
+    if (found.most + slack_ < shallow) nearest = std::min(nearest, found.most);
   }
   if (furthest == 0.0) return false;
-  furthest += (1.0 + of_length) * ContactSurface::facing_share * surface_->longest_edge;
+  furthest = std::min(furthest, (1.0 + of_length) * (nearest + 2.0 * slack_)) + facing;
   near_.clear();
-  const Motion motion = motion_of(particle);
-  visit_items(here, own.body == static_cast<Index>(body) ? &motion : nullptr, body, furthest, [&](Index item) {
+  const auto add = [&](Index item) {
     if (surface_->is_own_skin(own, particle, triangle_of(item))) return;
-    const double least = least_distance(x, item, furthest);
+    const double least = distance_to(x, item, furthest).least;
     if (least != HUGE_VAL) near_.push_back({triangles_.items[item], least});
-  });
+  };
+  if (furthest <= usual) {  // all are met
+    for (const Index item : met_) {
+      if (!(distance(here, item_box_[item]) > furthest * furthest)) add(item);
+    }
+  } else {
+    const Motion motion = motion_of(particle);
+    visit_items(here, own.body == static_cast<Index>(body) ? &motion : nullptr, body, furthest, add);
+  }
   std::ranges::sort(near_, {}, &Near::least);
   return true;
 }

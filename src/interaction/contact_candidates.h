@@ -105,7 +105,10 @@ class ContactCandidates {
   void find_shifts(std::span<const Vec3> place);
   Motion motion_of(std::size_t particle) const;
   bool meet(const Cluster& cluster, std::size_t body);
-  double least_distance(const Vec3& x, Index item, double distance_limit) const;
+  struct Distance {  // m: of a triangle, which is no nearer and no further
+    double least = HUGE_VAL, most = HUGE_VAL;
+  };
+  Distance distance_to(const Vec3& x, Index item, double distance_limit) const;
   bool gather(std::size_t particle, const Vec3& x, std::size_t body);
   std::span<const Near> keep(std::size_t particle);
   double search_distance(double edge) const;
