@@ -84,6 +84,7 @@ class SolverBackend : public Solver {
     Index bad_particle = -1;        ///< >= 0: this particle diverged in the next step, which was undone
     bool lost = false;              ///< the device failed
     int lost_volume = -1;           ///< >= 0: row of Scene::volume_constraints() that the next step violates
+    const char* not_finite = "";    ///< why the next step was undone, if neither of these; static text
     bool force_clamped = false;     ///< some elastic acceleration was above StepPlan::largest_acceleration
     double max_acceleration = 0.0;  ///< m/s^2
     double max_force = 0.0;         ///< N

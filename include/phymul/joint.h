@@ -86,8 +86,8 @@ struct SpringReport {
   bool operator==(const SpringReport&) const = default;
 };
 
-/// A joint in the last step of a solver: forces and lengths are those at the step's start. Before the first step all
-/// are 0.
+/// A joint in the last step of a solver: forces and lengths are those at the step's start; of a joint that is solved
+/// implicitly (SolverOptions::max_substeps) forces are the means over the step. Before the first step all are 0.
 struct JointReport {
   Vec3 force{0, 0, 0};   ///< N, sum over the springs of the force on anchors `a`
   double largest = 0.0;  ///< N, largest force of a spring

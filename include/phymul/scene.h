@@ -56,18 +56,18 @@ struct ContactOptions {
 
 class Scene;
 
-/// Moves a tool of a scene. It is small and copyable. Functions throw Error after the tool was removed from the scene.
-/// The scene must outlive its handles; the library cannot detect violations. The scene's rules for threads apply,
-/// because calls change it. Only grasp() makes a solver allocate.
+/// Moves a tool of a scene. It is small and copyable. Functions throw Error after the tool was removed from the scene,
+/// and for a pose that is not finite. The scene must outlive its handles; the library cannot detect violations. The
+/// scene's rules for threads apply, because calls change it. Only grasp() makes a solver allocate.
 class ToolHandle {
  public:
   /// Target pose at the end of the solver's next step(). During that call the tool moves there from its present pose in
   /// a straight line at constant speed and turns by the shorter way (in run_to_rest(): during the first step).
-  /// Afterwards it continues with ToolPose::velocity and ToolPose::spin. Throws Error if the pose is not finite.
+  /// Afterwards it continues with ToolPose::velocity and ToolPose::spin. A solver that is made later starts it where it
+  /// was added or last teleported to: reset() it to the other's read().
   void move_to(const ToolPose& pose) const;
   /// Puts the tool at a pose at once, without touching anything on the way. The next step moves covered particles out;
   /// they gain no speed and cause no force. A tool with Tool::compliance pushes them by its spring instead.
-  /// Throws Error if the pose is not finite.
   void teleport(const ToolPose& pose) const;
   /// The last pose passed to move_to() or teleport(); Tool::pose before. Valid until the scene's tools change.
   const ToolPose& target_pose() const;
@@ -130,12 +130,12 @@ class ThreadHandle {
   void pull(ThreadTip tip, const Vec3& force) const;  ///< N; through the passages of a sewn thread. 0: lets go
   void fix(ThreadTip tip) const;                      ///< TipHold::fixed; throws Error for a free thread
   /// TipHold::clamped: thread slips through above `holding`, N > 0. `gap`, m >= 0: during the next step() the segment
-  /// next to it is drawn to this length, with at most that force. Throws Error for a free thread.
+  /// next to it is drawn to this length, with at most that force; again by each call. Throws Error for a free thread.
   void clamp(ThreadTip tip, double holding, double gap = -1.0) const;
 
-  /// Ties two passages of a sewn thread, by their rows as in Knot. From the next step on the thread
-  /// slides through neither, and a segment joins them whose rest length is their distance then. Under more than throws
-  /// * Thread::throw_holding the knot lets thread through. Tying them again changes the throws.
+  /// Ties two passages of a sewn thread, by their rows as in Knot. From the next step on the thread slides through
+  /// neither, and a segment joins them whose rest length is their distance then. Under more than throws *
+  /// Thread::throw_holding the knot lets thread through. Again: changes the throws, or replaces a knot that broke.
   void tie(Index passage, Index other, int throws) const;
   void loosen(Index passage, Index other) const;  ///< no error for a knot that there is not
 

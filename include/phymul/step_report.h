@@ -13,8 +13,8 @@ enum class StepStatus {
   ok,
   invalid_step,   ///< the arguments make no sense; nothing was done
   unstable_step,  ///< dt is above the step limit and UnstableStep::refuse is set; nothing was done
-  /// A particle got a position that is not finite or a speed above a million mean spacings times omega_max. The step
-  /// was undone.
+  /// A particle got a position that is not finite or a speed above a million mean spacings times omega_max, or a tool,
+  /// thread, joint or fluid a number that is not finite. The step was undone.
   not_finite,
   device_lost,  ///< the GPU or its context failed
   volume_lost,  ///< a volume constraint (Scene::constrain_volume) could not be satisfied; the step was undone

@@ -58,8 +58,9 @@ struct ThreadEnd {
   TipHold hold = TipHold::pulled;
   Vec3 force{0, 0, 0};  ///< N
   Anchor anchor{};
-  double holding = 0.0;  ///< N, of a tip that is clamped
-  double gap = -1.0;     ///< m, likewise: the segment next to it is drawn to this length; below 0: it stays
+  double holding = 0.0;    ///< N, of a tip that is clamped
+  double gap = -1.0;       ///< m, likewise: the segment next to it is drawn to this length; below 0: it stays
+  std::uint64_t call = 0;  ///< SceneThread::changes of ThreadHandle::clamp(): each call draws anew
   bool operator==(const ThreadEnd&) const = default;
 };
 
@@ -80,8 +81,9 @@ struct HeldNode {
 
 /// Two passages of a sewn thread are tied to each other, and the thread slides through neither.
 struct Knot {
-  Index a = 0, b = 0;  ///< rows of passages, a < b: first SceneThread::passages, then ThreadState::sewn
-  int throws = 0;      ///< >= 1
+  Index a = 0, b = 0;      ///< rows of passages, a < b: first SceneThread::passages, then ThreadState::sewn
+  int throws = 0;          ///< >= 1
+  std::uint64_t call = 0;  ///< SceneThread::changes of ThreadHandle::tie(): each call replaces a knot that broke
   bool operator==(const Knot&) const = default;
 };
 

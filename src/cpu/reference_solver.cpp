@@ -126,7 +126,6 @@ class ReferenceSolver final : public SolverBackend {
   bool has_substeps() const { return local_.has_value(); }
   bool has_implicit_joints() { return stiff_joints() != nullptr && !stiff_joints()->empty(); }
   bool touches() const { return !tools_.empty() || !touching_.empty(); }
-
   void begin(const StepPlan& /*plan*/) {}
   void find_forces(const StepPlan& plan, bool /*last*/) {
     elastic_forces(elastic(), state_.position, force_);
@@ -176,9 +175,12 @@ class ReferenceSolver final : public SolverBackend {
     laps_->end(move_row_);
     return first_runaway(plan.runaway_speed);
   }
-
+  const char* settle() { return settled(joints(), stiff_joints(), tools_, touching_); }
   int& steps_at_rest() { return steps_at_rest_; }
-  void drop_step() { scene().evaluate(state_.time, frame()); }
+  void drop_step() {
+    tools_.drop();
+    scene().evaluate(state_.time, frame());
+  }
   void accept(const StepPlan& plan, Motion& motion) {
     std::swap(state_.position, next_position_);
     std::swap(state_.velocity, next_velocity_);
@@ -272,7 +274,6 @@ class ReferenceSolver final : public SolverBackend {
     }
     tools_.ways(plan.dt, ways_);
     joints().act(ways_, plan.dt);
-    tools_.pull(joints().pulls());
   }
 
   /// Joints must have acted.

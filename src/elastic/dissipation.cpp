@@ -116,8 +116,10 @@ void continue_strains(const TopologyTextures& t, std::span<const Index> domains,
     }
   }
   if (kept.rate) {
+    VecList before = snapshot.state.position;
+    for (std::size_t i = 0; i < before.size(); ++i) before[i] -= snapshot.last_dt * snapshot.state.velocity[i];
     for (const Index d : domains) {
-      const Mat3 H = mean_gradient(t, d, displacements_at(t, snapshot.state.position));
+      const Mat3 H = mean_gradient(t, d, displacements_at(t, before));
       memory[static_cast<std::size_t>(d) * kept.count()] = strain_of(green_strain(H));
     }
   }

@@ -37,8 +37,8 @@ bool has_strains(const Snapshot& snapshot);
 /// The part that put_strains() added; empty if there is none. Throws Error if it is of another body or not finite.
 StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topology);
 
-/// After an edit of the tables: the strains E- of the domains are those of the state, so that no step takes the change
-/// for a motion, and the copies of particles keep the Ev of these.
+/// After an edit of the tables: the strains E- of the domains are what the last step's start would have by the new
+/// ones, so that no step takes the change for a motion and their rates go on. Copies of particles keep the Ev of these.
 void continue_strains(const TopologyTextures& topology, std::span<const Index> domains,
                       std::span<const std::array<Index, 2>> copied, Snapshot& snapshot);
 

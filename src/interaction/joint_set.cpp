@@ -59,7 +59,8 @@ void JointSet::follow(const Scene& scene) {
 
   std::vector<Followed> now;
   for (const SceneJoint& joint : scene.joints()) {
-    Followed followed{.id = joint.id, .name = joint.name, .springs = {}, .next = {}, .reach = {}, .report = {}};
+    Followed followed{
+        .id = joint.id, .name = joint.name, .springs = {}, .next = {}, .reach = {}, .arm = {}, .report = {}};
     for (const JointSpring& spring : joint.joint.springs) {
       followed.springs.push_back({end_of(spring.a, scene.tools()), end_of(spring.b, scene.tools())});
     }
@@ -69,6 +70,7 @@ void JointSet::follow(const Scene& scene) {
     break_removed(followed, joint.joint);
     followed.next = followed.report.springs;
     followed.reach.resize(followed.springs.size());
+    followed.arm.assign(followed.springs.size(), Vec3::Zero());
     now.push_back(std::move(followed));
   }
   joints_ = std::move(now);
@@ -121,12 +123,16 @@ JointSet::Motion JointSet::motion_of(const End& end, std::span<const ToolWay> to
   return motion;
 }
 
-void JointSet::give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools, bool left_out) {
-  for (std::size_t k = 0; k < end.points.size() && !left_out; ++k)
-    points_[end.points[k]].force += end.weights[k] * force;
-  if (end.tool < 0) return;
-  pulls_[end.tool].force += force;
-  pulls_[end.tool].torque += (at - tools[end.tool].next_pose.position).cross(force);
+void JointSet::give(const End& end, const Vec3& force) {
+  for (std::size_t k = 0; k < end.points.size(); ++k) points_[end.points[k]].force += end.weights[k] * force;
+}
+
+void JointSet::give_tool(const Ends& ends, const Vec3& force, const Vec3& arm) {
+  const Index tool = std::max(ends.a.tool, ends.b.tool);  // one of them has particles
+  if (tool < 0) return;
+  const Vec3 own = ends.a.tool >= 0 ? force : Vec3(-force);
+  pulls_[tool].force += own;
+  pulls_[tool].torque += arm.cross(own);
 }
 
 void JointSet::act(std::size_t joint_row, std::span<const ToolWay> tools, double dt) {
@@ -134,21 +140,44 @@ void JointSet::act(std::size_t joint_row, std::span<const ToolWay> tools, double
   const Joint& joint = scene_->joints()[joint_row].joint;
   const bool left_out = is_left_out(joint_row);
   for (std::size_t row = 0; row < followed.springs.size(); ++row) {
-    const auto& [a, b] = followed.springs[row];
+    const Ends& ends = followed.springs[row];
+    const auto& [a, b] = ends;
     SpringReport& next = followed.next[row];
     const Motion at_a = motion_of(a, tools, dt), at_b = motion_of(b, tools, dt);
     Vec3 r = at_b.position - at_a.position, v = at_b.velocity - at_a.velocity;
     if (scene_->model().dimension == 2) r.z() = v.z() = 0.0;  // tools move in space
     followed.reach[row] = r;
+    if (a.tool >= 0) followed.arm[row] = at_a.position - tools[a.tool].next_pose.position;
+    if (b.tool >= 0) followed.arm[row] = at_b.position - tools[b.tool].next_pose.position;
     next = {.length = r.norm(), .broken = followed.report.springs[row].broken};
     if (next.broken) continue;
     const JointSpring& spring = joint.springs[row];
     next.force = spring_force(joint, spring, r, v);
-    next.broken = next.force.norm() > spring.share * joint.breaking_force;
     energy_ += spring_energy(joint, spring, next.length);
-    give(a, at_a.position, next.force, tools, left_out);
-    give(b, at_b.position, -next.force, tools, left_out);
+    if (left_out) continue;
+    next.broken = next.force.norm() > spring.share * joint.breaking_force;
+    give(a, next.force);
+    give(b, -next.force);
+    give_tool(ends, next.force, followed.arm[row]);
   }
+}
+
+void JointSet::set_force(std::size_t joint, std::size_t spring, const Vec3& force) {
+  Followed& followed = joints_[joint];
+  SpringReport& next = followed.next[spring];
+  if (next.broken) return;
+  const Joint& own = scene_->joints()[joint].joint;
+  next.force = force;
+  next.broken = force.norm() > own.springs[spring].share * own.breaking_force;
+  give_tool(followed.springs[spring], force, followed.arm[spring]);
+}
+
+bool JointSet::is_finite() const {
+  return std::ranges::all_of(joints_, [](const Followed& followed) {
+    return std::ranges::all_of(followed.next, [](const SpringReport& spring) {
+      return spring.force.allFinite() && std::isfinite(spring.length);
+    });
+  });
 }
 
 void JointSet::act(std::span<const ToolWay> tools, double dt) {

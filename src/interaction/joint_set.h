@@ -81,8 +81,12 @@ class JointSet {
     return {of.reach[spring], of.next[spring].force, of.report.springs[spring].broken, is_left_out(joint)};
   }
 
-  /// Before follow(): act() gives no particle the forces of joints that `solved`(scene) names, by Scene::joints(), and
-  /// JointBounds::left_stiffness and left_damping are without them.
+  /// Of a spring that the last act() left out: the force on anchor `a`, N, that it has in this step. Once a step.
+  void set_force(std::size_t joint, std::size_t spring, const Vec3& force);
+  bool is_finite() const;  ///< what accept() would report
+
+  /// Before follow(): act() gives nothing the forces of joints that `solved`(scene) names, by Scene::joints(), and
+  /// breaks none of their springs; JointBounds::left_stiffness and left_damping are without them.
   void leave_out(std::function<std::vector<bool>(const Scene&)> solved) { solved_ = std::move(solved); }
 
   /// Of a scene as it is now, which follow() need not have seen. `mass`: [N] kg, always the same. Allocates only after
@@ -113,6 +117,7 @@ class JointSet {
     std::vector<Ends> springs;
     std::vector<SpringReport> next;  // of the step in question
     VecList reach;                   // [springs] m, likewise
+    VecList arm;                     // [springs] m, likewise: from a tool, at the step's end, to the end that it has
     JointReport report;
   };
   struct Motion {
@@ -123,7 +128,8 @@ class JointSet {
   bool is_left_out(std::size_t row) const { return row < left_out_.size() && left_out_[row]; }
   End end_of(const Anchor& anchor, const std::vector<SceneTool>& tools) const;
   Motion motion_of(const End& end, std::span<const ToolWay> tools, double dt) const;
-  void give(const End& end, const Vec3& at, const Vec3& force, std::span<const ToolWay> tools, bool left_out);
+  void give(const End& end, const Vec3& force);
+  void give_tool(const Ends& ends, const Vec3& force, const Vec3& arm);
   void act(std::size_t row, std::span<const ToolWay> tools, double dt);
 
   const Scene* scene_ = nullptr;

@@ -103,6 +103,13 @@ int KeptVolumes::act(TouchedParticles& touched) {
   return -1;
 }
 
+bool KeptVolumes::is_finite() const {
+  return std::ranges::all_of(surfaces_, [](const Surface& surface) {
+    const FluidState& next = surface.next;
+    return surface.open || std::isfinite(next.volume + next.pressure + next.pressure_before);
+  });
+}
+
 void KeptVolumes::accept() {
   for (Surface& surface : surfaces_) {
     if (surface.open) {

@@ -24,7 +24,8 @@ class KeptVolumes {
 
   /// After all else that acts on the step. The row of a volume that cannot be restored; -1: none.
   int act(TouchedParticles& touched);
-  void accept();  ///< the step counts
+  bool is_finite() const;  ///< the fluids at the end of the step
+  void accept();           ///< the step counts
   void read(State& state) const;
   /// Of a constraint of the scene, also of one that follow() has not seen.
   const FluidState& fluid(const VolumeConstraint& wanted) const;

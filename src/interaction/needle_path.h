@@ -29,7 +29,9 @@ class NeedlePath {
   /// `force`: what it takes from the particles is added there. `end`: of a needle that was let go, where the tissue
   /// takes it.
   void act(TouchedParticles& touched, const ToolPose& start, ToolPose& end, ToolForce& force);
-  void accept();  ///< the step counts
+  void accept();                         ///< the step counts
+  void remember() { before_ = state_; }  ///< before act() and set_free() of a step
+  void drop() { state_ = before_; }      ///< the step does not count
 
   const NeedleState& state() const { return state_; }
   int gave_way() const { return gave_way_; }  ///< punctures below Needle::puncture, in accepted steps
@@ -127,7 +129,7 @@ class NeedlePath {
   std::vector<std::int32_t> body_of_;         // [N] of connected bodies; below 0: it has no mass
   std::vector<Crossing> crossings_;
   std::vector<std::pair<Anchor, Vec3>> passed_;
-  NeedleState state_;
+  NeedleState state_, before_;
   std::vector<Coupled> coupled_;  // per node of the hole, and some that wait for more
   std::vector<Index> found_;
   std::vector<double> share_of_;                     // [slot] 1/kg

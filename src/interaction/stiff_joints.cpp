@@ -60,6 +60,9 @@ void StiffJoints::follow(const Scene& scene, const TopologyTextures& topology, s
   for (std::size_t j = 0; j < solved.size(); ++j) {
     const std::vector<JointSpring>& all = scene.joints()[j].joint.springs;
     for (std::size_t k = 0; solved[j] && k < all.size(); ++k) {
+      bool is_removed = false;  // and broken
+      for_each_end(all[k], [&](Index i, double) { is_removed = is_removed || topology.mass[i] == 0.0; });
+      if (is_removed) continue;
       Spring spring{.joint = j, .row = k, .weights = {}, .motion = {}};
       std::ranges::fill(f, Vec3::Zero());
       bool has_fine = false;
@@ -186,9 +189,14 @@ void StiffJoints::act(const Scene& scene, const JointSet& joints, double dt, dou
   solve();
   for (std::size_t i = 0; i < n; ++i) springs_[rows_[i].spring].force -= value_[i] * rows_[i].direction;
   for (Reached& reached : reached_) reached.force.setZero();
-  for (const Spring& spring : springs_) {
+  for (Spring& spring : springs_) {
+    spring.whole = later ? Vec3(spring.whole + spring.force) : spring.force;
     for (const auto& [row, motion] : spring.motion) reached_[row].force += motion.cwiseProduct(spring.force);
   }
+}
+
+void StiffJoints::tell(JointSet& joints) const {
+  for (const Spring& spring : springs_) joints.set_force(spring.joint, spring.row, -spring.whole);
 }
 
 double StiffJoints::added_energy(std::span<const Vec3> v, std::span<const Vec3> next) const {

@@ -43,6 +43,8 @@ class StiffJoints {
   /// must have acted, left out, and what the solution changes. The latter alone, which is linear in the accelerations,
   /// for accelerations that came later. Does not allocate.
   void act(const Scene& scene, const JointSet& joints, double dt, double d, bool later = false);
+  /// After all of a step: the springs' forces in it, which are those of the law less what the solution takes.
+  void tell(JointSet& joints) const;
   /// J: v (G S G^T) next / 2 in the last act(), what the solution adds to a kinetic energy. m/s, [N].
   double added_energy(std::span<const Vec3> v, std::span<const Vec3> next) const;
 
@@ -55,6 +57,7 @@ class StiffJoints {
     std::size_t joint, row;
     std::vector<End> weights, motion;            // of G; of B G, times the mass
     Vec3 force{0, 0, 0}, acceleration{0, 0, 0};  // N, on anchor `b`; m/s^2, of `b` against `a` before the solution
+    Vec3 whole{0, 0, 0};                         // N, on `b`, of all calls of act() in the step
   };
   struct Row {
     std::size_t spring;

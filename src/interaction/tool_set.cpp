@@ -41,6 +41,11 @@ Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolF
   return region;
 }
 
+bool is_finite(const ToolPose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.velocity.allFinite() &&
+         pose.spin.allFinite();
+}
+
 }  // namespace
 
 ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
@@ -218,6 +223,7 @@ bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<b
     ToolMotion motion = moved.motion;
     for (int step = 0; step < steps; ++step) {
       motion.advance(dt);
+      if (!is_finite(motion.next_pose)) return true;  // such a step is looked at by itself
       const Region region = swept_bounds(tool.shape, tool.bounds, ToolFrame(motion.pose), ToolFrame(motion.next_pose),
                                          tool.blade                    ? tool.blade->reach()
                                          : tool.needle || tool.surface ? wide
@@ -252,6 +258,8 @@ void ToolSet::act(TouchedParticles& touched) {
     tool.next_force = {};
     tool.moved.motion.advance(touched.dt());
     tool.law.placed = tool.moved.motion.placed || (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
+    if (tool.moved.grasps || tool.moved.releases) tool.before = tool.moved;
+    if (tool.needle) tool.needle->remember();
     if (tool.needle && tool.moved.releases) tool.needle->set_free(true);
     if (tool.moved.releases) tool.moved.release();
   }
@@ -292,9 +300,30 @@ void ToolSet::act_by_threads(TouchedParticles& touched) {
   }
 }
 
+const char* ToolSet::first_not_finite() const {
+  const auto is_fine = [](const Moving& tool) {
+    return is_finite(tool.moved.motion.next_pose) && (tool.next_force.force + tool.pull.force).allFinite() &&
+           (tool.next_force.torque + tool.pull.torque).allFinite();
+  };
+  if (!std::ranges::all_of(tools_, is_fine)) {
+    return "the pose of a tool, or a force on it, would not be finite: where it goes is extremely far away";
+  }
+  return threads_.is_finite() ? "" : "a thread would not be finite: what pulls or moves it is extreme";
+}
+
+void ToolSet::drop() {
+  threads_.drop();
+  for (Moving& tool : tools_) {
+    if (tool.needle) tool.needle->drop();
+    if (tool.before) tool.moved = *tool.before;
+    tool.before.reset();
+  }
+}
+
 void ToolSet::accept() {
   threads_.accept();
   for (Moving& tool : tools_) {
+    tool.before.reset();
     if (tool.needle) {
       tool.needle->accept();
       tool.moved.report.shaft = tool.needle->state().shaft;

@@ -54,7 +54,9 @@ class ToolSet {
   // Goes on with tools that were moved elsewhere, by a solver that was reset there, or not yet.
   void set_moved(std::size_t row, const MovedTool& moved) { tools_[row].moved = moved; }
   void set_was_reset(bool was_reset) { was_reset_ = was_reset; }
-  void accept();  ///< the step counts; without it the next act() does it over
+  const char* first_not_finite() const;  ///< at the end of the step in question; "": nothing
+  void accept();                         ///< the step counts
+  void drop();                           ///< it does not: the next act() does it over
 
   /// Of a tool of the scene as it is now; where follow() has not seen it yet, no force and the scene's pose. Good until
   /// the next call of a function of this class.
@@ -70,6 +72,7 @@ class ToolSet {
     std::optional<NeedlePath> needle{};
     std::optional<BladeEdge> blade{};
     std::optional<SurfacePress> surface{};  // of ToolContact::surface
+    std::optional<MovedTool> before{};      // where it takes hold or lets go in the step in question
     JointSet::Pull pull{};                  // of joints, in the step in question
     ToolForce next_force{};                 // likewise, of what it touches
   };

@@ -4,7 +4,10 @@
 #pragma once
 
 #include "body_contacts.h"
+#include "joint_set.h"
 #include "kept_volumes.h"
+#include "stiff_joints.h"
+#include "tool_set.h"
 
 namespace phymul {
 
@@ -19,6 +22,9 @@ class Touching {
   void reset(const Scene& scene, const State& state) {
     forget();
     volumes_.reset(scene, state);
+  }
+  const char* first_not_finite() const {  ///< at the end of the step in question; "": nothing
+    return volumes_.is_finite() ? "" : "the pressure of a fluid would not be finite: its volume or its law is extreme";
   }
   void accept() { volumes_.accept(); }  ///< the step counts
   void read(State& state) const { volumes_.read(state); }
@@ -43,5 +49,15 @@ class Touching {
   BodyContacts contacts_;
   KeptVolumes volumes_;
 };
+
+/// At the end of a step on the host: joints and tools get the forces of implicit joints, null: none. Returns what is
+/// not finite besides particles, as SolverBackend::Motion says it.
+inline const char* settled(JointSet& joints, const StiffJoints* stiff, ToolSet& tools, const Touching& touching) {
+  if (stiff != nullptr) stiff->tell(joints);
+  tools.pull(joints.pulls());
+  if (!joints.is_finite()) return "the force of a joint would not be finite: its anchors are extremely far apart";
+  const char* const fluid = touching.first_not_finite();
+  return *fluid != '\0' ? fluid : tools.first_not_finite();
+}
 
 }  // namespace phymul

@@ -84,7 +84,7 @@ void Scene::bring_back_threads(const std::vector<SceneThread>& wanted) {
     const auto own = std::ranges::find_if(before, [&](const SceneThread& known) { return same(known, thread); });
     if (own == before.end()) continue;
     threads_.back().id = own->id;
-    threads_.back().changes = own->changes + 1;
+    threads_.back().changes = std::max(own->changes, threads_.back().changes) + 1;
     --next_thread_;
   }
 }

@@ -280,14 +280,14 @@ void ThreadHandle::clamp(ThreadTip tip, double holding, double gap) const {
                 " and " + to_decimal(gap));
   }
   thread.control.ends[static_cast<std::size_t>(tip)] = {
-      .hold = TipHold::clamped, .holding = holding, .gap = gap < 0.0 ? -1.0 : gap};
-  ++thread.changes;
+      .hold = TipHold::clamped, .holding = holding, .gap = gap < 0.0 ? -1.0 : gap, .call = ++thread.changes};
 }
 
 void ThreadHandle::tie(Index passage, Index other, int throws) const {
   SceneThread& thread = own();
-  const Knot knot = knot_of(thread, passage, other, throws);
+  Knot knot = knot_of(thread, passage, other, throws);
   loosen(passage, other);
+  knot.call = thread.changes;
   thread.control.knots.push_back(knot);
 }
 
@@ -302,6 +302,10 @@ void ThreadHandle::loosen(Index passage, Index other) const {
 void ThreadHandle::set(const ThreadControl& wanted) const {
   const SceneThread before = own();
   const ThreadControl& now = before.control;
+  const auto take_call = [this](std::uint64_t& mine, std::uint64_t call) {
+    mine = call;
+    own().changes = std::max(own().changes, call);  // what comes later has other numbers
+  };
   try {
     for (const std::size_t t : {0, 1}) {
       const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
@@ -311,6 +315,7 @@ void ThreadHandle::set(const ThreadControl& wanted) const {
       if (end.hold == TipHold::pulled) pull(tip, end.force);
       if (end.hold == TipHold::anchored) join(tip, end.anchor);
       if (end.hold == TipHold::clamped) clamp(tip, end.holding, end.gap);
+      take_call(own().control.ends[t].call, end.call);
     }
     if (wanted.held != now.held) {
       for (const HeldNode& held : now.held) release(held.node);
@@ -318,7 +323,10 @@ void ThreadHandle::set(const ThreadControl& wanted) const {
     }
     if (wanted.knots != now.knots) {
       for (const Knot& knot : now.knots) loosen(knot.a, knot.b);
-      for (const Knot& knot : wanted.knots) tie(knot.a, knot.b, knot.throws);
+      for (const Knot& knot : wanted.knots) {
+        tie(knot.a, knot.b, knot.throws);
+        take_call(own().control.knots.back().call, knot.call);
+      }
     }
   } catch (...) {
     own() = before;

@@ -42,15 +42,17 @@ void control_fields(Bytes& bytes, Any& control) {
     if (end.hold != TipHold::clamped) continue;
     bytes.field(end.holding, "a clamp's force");
     bytes.field(end.gap, "a clamp's gap");
+    bytes.field(end.call, "a call");
   }
   bytes.list(control.held, 28, "a number of held nodes", [&](auto& held) {
     bytes.field(held.node, "a node");
     bytes.field(held.position, "a position");
   });
-  bytes.list(control.knots, 12, "a number of knots", [&](auto& knot) {
+  bytes.list(control.knots, 20, "a number of knots", [&](auto& knot) {
     bytes.field(knot.a, "a passage");
     bytes.field(knot.b, "a passage");
     bytes.field(knot.throws, "a number of throws");
+    bytes.field(knot.call, "a call");
   });
 }
 

@@ -63,7 +63,7 @@ void SolverBackend::body_changed() {
   values_version_ = scene_->values_version();
 }
 
-/// Copies that cuts made move as what they copy. The domains, changed ones, have the strain that they have now.
+/// Copies that cuts made move as what they copy. The domains are those that changed.
 void SolverBackend::continue_copies(std::span<const Index> domains) {
   const auto copied = std::span(topology_->copied).subspan(copies_seen_);
   if (copied.empty() && topology_->dissipation.empty()) return;

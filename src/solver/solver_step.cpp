@@ -167,6 +167,9 @@ void SolverBackend::report_failure(const Motion& motion, StepReport& report) con
     report.cause =
         "no small displacement of its free particles restores it: all of them are held, or the surface is flat or "
         "strongly deformed";
+  } else if (*motion.not_finite != '\0') {
+    report.status = StepStatus::not_finite;
+    report.cause = motion.not_finite;
   } else if (motion.bad_particle >= 0) {
     report.status = StepStatus::not_finite;
     report.particle = motion.bad_particle;

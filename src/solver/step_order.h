@@ -12,6 +12,7 @@
 //   predict       where each particle would go by itself
 //   touch         tools, contacts, volume constraints: they push there
 //   move          and measures
+//   settle        the forces of implicit joints, and what else than particles is not finite
 //   accept        the step counts: its end is the state
 //   drop_step     it does not
 #pragma once
@@ -68,7 +69,9 @@ struct StepOrder {
     if (backend.touches()) motion.lost_volume = backend.touch(plan);
     if (motion.lost_volume >= 0) return false;
     motion.bad_particle = backend.move(plan, motion);
-    return motion.bad_particle < 0 && motion.lost_volume < 0;
+    if (motion.bad_particle >= 0 || motion.lost_volume >= 0) return false;
+    motion.not_finite = backend.settle();
+    return *motion.not_finite == '\0';
   }
 };
 

@@ -53,6 +53,13 @@ std::string StepReport::message() const {
           dt, stable_step);
       break;
     case StepStatus::not_finite:
+      if (particle < 0) {
+        std::snprintf(text, sizeof text,
+                      "not_finite: %s; the step after t = %.6g s (step %d of this call) was undone, the state at that "
+                      "time is kept",
+                      cause, time, steps + 1);
+        break;
+      }
       std::snprintf(text, sizeof text,
                     "not_finite: particle %d diverged (its speed is above a million times the wave speed, or not "
                     "finite) after t = %.6g "

@@ -2,6 +2,7 @@
 //
 // Clips: they close a fold to their gap, hold up to their force, open above it, and come off.
 #include <gtest/gtest.h>
+#include <phymul/recording.h>
 #include <phymul/state_file.h>
 
 #include "support/joined_particles.h"
@@ -88,6 +89,33 @@ TEST(Clip, IsPutOnAgain) {
   ASSERT_TRUE(solver->step(400, clip_dt).ok());
   ASSERT_TRUE(solver->step(400, clip_dt).ok());
   EXPECT_NEAR(width(), 2e-3, 1e-5);
+}
+
+/// One that slipped closes again by the same call, and so it does in a recording.
+TEST(Clip, IsClosedAgainByTheSameValues) {
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
+  const auto make = [&](Scene& scene) {
+    scene.fix(std::vector<Index>{0});
+    scene.add({.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.1}}, .direction = {1, 0, 0}});
+    scene.add_clip("clip", {.gap = 2e-3, .holding = 0.5, .opening = 8e-3}, at_particle(0), at_particle(1));
+    return loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
+  };
+  Scene scene(model), again(model);
+  const auto solver = make(scene), replayed = make(again);
+  const auto width = [&] { return solver->read().position[1].x() - solver->read().position[0].x(); };
+  ASSERT_TRUE(solver->step(400, clip_dt).ok());
+  State opened = solver->read();
+  opened.threads[0].rest_length[1] = opened.position[1].x() = 5e-3;
+  solver->reset(opened);
+  Recorder recorder(*solver, scene);
+  ASSERT_TRUE(recorder.step(200, clip_dt).ok());
+  EXPECT_NEAR(width(), 5e-3, 1e-5) << "it stays as far open";
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) scene.thread("clip").clamp(tip, 0.5, 2e-3);
+  for (int k = 0; k < 2; ++k) ASSERT_TRUE(recorder.step(400, clip_dt).ok());
+  EXPECT_NEAR(width(), 2e-3, 1e-5);
+  Replay(recorder.recording(), *replayed, again).run();
+  EXPECT_EQ(replayed->read(), solver->read());
+  EXPECT_EQ(again.threads()[0].control, scene.threads()[0].control);
 }
 
 /// Both walls of a slit between two slabs; the snapshot, and a scene made of it, have the clip.

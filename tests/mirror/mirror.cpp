@@ -168,6 +168,7 @@ class MirrorSolver final : public SolverBackend {
     return motion.lost_volume >= 0 ? -1 : first_runaway(plan.runaway_speed);
   }
 
+  static const char* settle() { return ""; }
   int& steps_at_rest() { return steps_at_rest_; }
   static void drop_step() {}
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "elastic/dissipation.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -269,6 +270,54 @@ TEST_P(DissipationRunsOn, StaysInTheStaticRest) {
   const double most = largest_distance(rest.position, simulation.model().rest);
   EXPECT_GT(most, 0.0);
   EXPECT_LT(largest_distance(after.position, rest.position), 1e-3 * most);
+}
+
+class EditedDissipationOn : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Cpu, EditedDissipationOn, testing::Values("reference", "cpu"),
+                         [](const auto& backend) { return std::string(backend.param); });
+
+/// Of domains that have all their cells still, whose particles may have another mass. Strains are found from places of
+/// single precision on "cpu".
+TEST_P(EditedDissipationOn, AnEditLeavesTheRatesOfWhatItDoesNotTouch) {
+  SimulationOptions options{.material = {.young = 10e3, .poisson = 0.3, .density = 1000, .retardation_time = 5e-3},
+                            .backend = GetParam()};
+  const Model block = make_tetrahedral_block({0.06, 0.04, 0.03}, 6, 4, 3, 0.25, 7);
+  Simulation sim(with_spare_particles(block, 300), options);
+  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  CutSurface plane = cut_plane({0.031, 0.0, 0.0}, {1.0, 0.2, 0.1});
+  plane.front = [](const Vec3& x) { return x.z() - 0.016; };
+  ASSERT_TRUE(sim.cut(plane));  // copies share their masses with what they copy, so that an edit beside changes these
+  ASSERT_TRUE(sim.advance(0.02).ok());
+  const auto strains = [&] { return strains_of(sim.solver().snapshot(), sim.solver().topology()); };
+  const StrainMemory before = strains();
+  const std::vector<Index> cells =
+      sim.model().cells_in([](const Vec3& x) { return (x - Vec3(0.03, 0.02, 0.01)).norm() < 0.008; });
+  const std::size_t edited = sim.solver().topology().edited.size();
+  sim.remove_cells(cells);
+  const TopologyTextures& t = sim.solver().topology();
+  std::vector<bool> touched(t.mass.size(), false);
+  for (const Index cell : cells) {
+    for (const Index i : sim.model().cells[cell].particles) touched[i] = true;
+  }
+  const auto is_whole = [&](Index d) { return !touched[t.domains[d].particle]; };
+  ASSERT_GE(std::count_if(t.edited.begin() + static_cast<std::ptrdiff_t>(edited), t.edited.end(), is_whole), 1);
+  const StrainMemory after = strains();
+  ASSERT_EQ(after.size(), before.size());
+  const double roundoff = options.backend == "cpu" ? 0x1p-24 : 0x1p-53;
+  const double spacing = 0.01, least_edge = 0.2 * spacing;
+  const double most = largest_distance(sim.solver().read().position, sim.model().rest);
+  double apart = 0.0, step = 0.0;
+  for (Index d = 0; d < static_cast<Index>(before.size()); ++d) {
+    for (std::size_t k = 0; is_whole(d) && k < 6; ++k) apart = std::max(apart, std::abs(after[d][k] - before[d][k]));
+  }
+  sim.step(1, 0.3 * sim.solver().stable_step());
+  const StrainMemory later = strains();
+  for (std::size_t d = 0; d < later.size(); ++d) {
+    for (std::size_t k = 0; k < 6; ++k) step = std::max(step, std::abs(later[d][k] - after[d][k]));
+  }
+  EXPECT_LE(apart, 8.0 * roundoff * most / least_edge);
+  EXPECT_GT(step, 100.0 * apart) << "or the body hardly moves";
+  RecordProperty("apart", std::to_string(1e9 * apart));
 }
 
 }  // namespace

@@ -88,8 +88,8 @@ void PackedJoints::follow(JointSet& joints, StiffJoints* stiff, const ToolSet& t
   load_.assign(4 * static_cast<std::size_t>(body.places), 0.0f);
 }
 
-void PackedJoints::act(JointSet& joints, ToolSet& tools, const TopologyTextures& topology, double dt, simd::Move& move,
-                       std::uint8_t* changed) {
+void PackedJoints::act(JointSet& joints, const ToolSet& tools, const TopologyTextures& topology, double dt,
+                       simd::Move& move, std::uint8_t* changed) {
   const auto* const u = reinterpret_cast<const float*>(move.u);
   for (std::size_t row = 0; row < at_.size(); ++row) {
     const At& at = at_[row];
@@ -100,7 +100,6 @@ void PackedJoints::act(JointSet& joints, ToolSet& tools, const TopologyTextures&
   }
   tools.ways(dt, ways_);
   joints.act(ways_, dt);
-  tools.pull(joints.pulls());
 
   if (move.load != nullptr) {
     std::memcpy(load_.data(), move.load, sizeof(float) * load_.size());
@@ -150,8 +149,12 @@ Vec3 vector_at(const char* quads, std::size_t at) {
 void PackedJoints::solve(StiffJoints& stiff, const JointSet& joints, const Scene& scene, double dt, double d,
                          const char* force, simd::Move& move) {
   const Vec3 gravity(move.gravity[0], move.gravity[1], move.gravity[2]);
+  const double largest = move.largest_acceleration;
   const auto all = [&](std::size_t at, double inverse_mass) -> Vec3 {
-    return inverse_mass * (vector_at(force, at) + vector_at(move.load, at)) + gravity;
+    Vec3 elastic = vector_at(force, at);
+    const double size = inverse_mass * elastic.norm();
+    if (size > largest) elastic *= largest / size;  // as the moving kernel does
+    return inverse_mass * (elastic + vector_at(move.load, at)) + gravity;
   };
   solve(stiff, joints, scene, dt, d, move, all, false, reinterpret_cast<char*>(load_.data()));
 }

@@ -64,7 +64,7 @@ class PackedJoints {
 
   /// Before a moving pass of dt, s, if there are joints: adds their forces to move.load, in an array of its own.
   /// `changed`: null, or marks for blocks of particles (SleepBlocks) whose forces are not those of the last call.
-  void act(JointSet& joints, ToolSet& tools, const TopologyTextures& topology, double dt, simd::Move& move,
+  void act(JointSet& joints, const ToolSet& tools, const TopologyTextures& topology, double dt, simd::Move& move,
            std::uint8_t* changed);
 
   /// Adds to load_ what the implicit joints change of the forces in `force`, [places][4] N by quad, and the loads of

@@ -26,6 +26,8 @@ class PackedTools {
   bool touches() const { return !touching_.empty(); }
   ToolSet& set() { return set_; }
   void reset(const Scene& scene, const State& state);
+  /// What settled() does and says.
+  const char* settle(JointSet& joints, const StiffJoints* stiff) { return settled(joints, stiff, set_, touching_); }
   /// The step counts. `moved`: of its last pass.
   void accept(const simd::MoveSummary& moved, double dt);
   const ToolSet& set() const { return set_; }

@@ -165,7 +165,6 @@ class SimdSolver final : public SolverBackend {
   const ThreadState& do_thread_state(std::size_t row) const override {
     return tools_.set().thread(scene().threads()[row]);
   }
-
   const FluidState& do_fluid(std::size_t row) const override { return tools_.fluid(scene(), row); }
 
   Motion do_step(const StepPlan& plan) override {
@@ -258,9 +257,10 @@ class SimdSolver final : public SolverBackend {
     return summary_.runaway ? first_runaway(*body_, next_u_, next_v_, plan.runaway_speed) : -1;
   }
 
+  const char* settle() { return tools_.settle(joints(), stiff_joints()); }
   int& steps_at_rest() { return steps_at_rest_; }
-
   void drop_step() {
+    tools_.set().drop();
     if (sleep_) sleep_->compute_all();
   }
 

@@ -100,8 +100,15 @@ Index DeviceSolver::move(const StepPlan& /*plan*/, Motion& motion) {
   return host_->report.runaway_step > 0 ? host_->report.particle : -1;
 }
 
+/// Joints are the device's: accept() takes them over.
+const char* DeviceSolver::settle() {
+  const char* const fluid = host_->touching.first_not_finite();
+  return *fluid != '\0' ? fluid : host_->tools.first_not_finite();
+}
+
 void DeviceSolver::drop_step() {
   host_->step.drop();
+  host_->tools.drop();
   device_->go_back();
 }
 

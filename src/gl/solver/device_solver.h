@@ -102,6 +102,7 @@ class DeviceSolver final : public SolverBackend {
   void predict(const StepPlan& plan);
   int touch(const StepPlan& plan);
   Index move(const StepPlan& plan, Motion& motion);
+  const char* settle();
   void accept(const StepPlan& plan, Motion& motion);
   void drop_step();
   RestThresholds rest_now(const StepPlan& plan, const Motion& motion) const;

@@ -28,10 +28,13 @@ void ThreadPath::follow(const ThreadControl& control, std::span<const double> ma
     const ThreadEnd &now = control.ends[tip], &before = control_.ends[tip];
     const bool in_body = !now.anchor.particles.empty() || !before.anchor.particles.empty();
     // ThreadState::anchored says of a clamp that it has closed.
-    if (now.hold != before.hold || now.gap != before.gap || now.holding != before.holding ||
+    if (now.hold != before.hold || now.gap != before.gap || now.holding != before.holding || now.call != before.call ||
         (in_body && now.anchor != before.anchor)) {
       if (known_) state_.anchored[tip] = false;
     }
+  }
+  for (const Knot& knot : control.knots) {
+    if (known_ && std::ranges::count(control_.knots, knot.call, &Knot::call) == 0) tied_.push_back(knot);
   }
   known_ = true;
   control_ = control;
@@ -142,11 +145,14 @@ void ThreadPath::take_over_knots() {
   const auto same_as = [](const auto& knot) {
     return [&knot](const auto& other) { return other.a == knot.a && other.b == knot.b; };
   };
+  const auto is_gone = [&](const KnotState& known) {
+    return std::ranges::none_of(control_.knots, same_as(known)) ||
+           (known.broken && std::ranges::any_of(tied_, same_as(known)));
+  };
   for (const KnotState& known : next_.knots) {
-    if (std::ranges::none_of(control_.knots, same_as(known))) take_from_tails(-known.rest_length);
+    if (is_gone(known)) take_from_tails(-known.rest_length);
   }
-  std::erase_if(next_.knots,
-                [&](const KnotState& known) { return std::ranges::none_of(control_.knots, same_as(known)); });
+  std::erase_if(next_.knots, is_gone);
   for (const Knot& knot : control_.knots) {
     if (static_cast<std::size_t>(knot.b) >= passages_.size()) continue;  // a needle may make it
     const std::size_t a = point_of(knot.a), b = point_of(knot.b);
@@ -241,6 +247,16 @@ void ThreadPath::take(TouchedParticles& touched, const ThreadTensions& all) {
   push(touched);
   move_rest_length();
   note_events();
+}
+
+bool ThreadPath::is_finite() const {
+  double sum = 0.0;  // of numbers that are 0 or more
+  for (const std::vector<double>* list : {&next_.rest_length, &next_.tension}) {
+    for (const double value : *list) sum += value;
+  }
+  for (const KnotState& knot : next_.knots) sum += knot.rest_length + knot.tension + knot.slip;
+  return std::isfinite(sum) && std::ranges::all_of(next_.position, [](const Vec3& at) { return at.allFinite(); }) &&
+         (next_.force[0] + next_.force[1]).allFinite();
 }
 
 bool ThreadPath::is_free_row(Index row) const {

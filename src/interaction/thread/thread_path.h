@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,7 +45,13 @@ class ThreadPath {
   void take(TouchedParticles& touched, const ThreadTensions& all);
   /// N, of the last take(), on what a tip is anchored to.
   const Vec3& force_at(ThreadTip tip) const { return next_.force[static_cast<std::size_t>(tip)]; }
-  void accept() { state_ = next_; }
+  bool is_finite() const;  ///< what accept() would keep
+  void accept() {
+    state_ = next_;
+    tied_.clear();
+    before_.reset();
+  }
+  bool drop();  ///< the step does not count; true where append() is undone
 
  private:
   bool is_anchored(std::size_t tip) const { return control_.ends[tip].hold == TipHold::anchored; }
@@ -69,7 +76,9 @@ class ThreadPath {
   std::vector<Anchor> passages_;
   bool known_ = false;  // control_ is the scene's
   ThreadControl control_;
+  std::vector<Knot> tied_;  // since the last step
   ThreadState state_, next_;
+  std::optional<ThreadState> before_;  // the first append() of the step
   // Of the step. Points are 0 ... segments; passage p is point p + 1, between pieces p and p + 1.
   std::vector<const Anchor*> anchors_;  // [points] of particles; null: none
   VecList start_, place_, force_;       // [points] m, at the start and predicted for the end; N

@@ -2,6 +2,7 @@
 #include "thread_rod.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace phymul {
@@ -217,6 +218,14 @@ Vec3 ThreadRod::force_at(ThreadTip tip) const {
   const auto at = [&](std::size_t i) { return Vec3(place_[i] + way_[i]); };
   const std::size_t next = first ? 1 : n - 2, after = first ? 2 : n - 3;
   return force - bend_ / (segment_ * segment_ * segment_) * ((at(after) - at(next)) - (at(next) - at(end)));
+}
+
+bool ThreadRod::is_finite() const {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    if (!Vec3(place_[i] + way_[i]).allFinite() || !Vec3(way_[i] / dt_).allFinite()) return false;
+  }
+  return std::ranges::all_of(tension_, [](double tension) { return std::isfinite(tension); }) &&
+         (force_[0] + force_[1]).allFinite();
 }
 
 void ThreadRod::accept() {

@@ -36,7 +36,8 @@ class ThreadRod {
   /// N, of the thread on what holds a tip, by tension and bending after solve().
   Vec3 force_at(ThreadTip tip) const;
   void report(ThreadTip tip, const Vec3& force) { force_[static_cast<std::size_t>(tip)] = force; }
-  void accept();  ///< the step counts
+  bool is_finite() const;  ///< what accept() would keep
+  void accept();           ///< the step counts
 
  private:
   static constexpr int band = 8, row = band + 1;

@@ -235,6 +235,20 @@ void ThreadSet::follow_needle(std::string_view needle, std::span<const std::pair
   find_together();
 }
 
+bool ThreadSet::is_finite() const {
+  return std::ranges::all_of(threads_, [](const Moving& thread) {
+    return std::visit([](const auto& own) { return own.is_finite(); }, thread.body);
+  });
+}
+
+void ThreadSet::drop() {
+  bool any = false;
+  for (Moving& thread : threads_) {
+    if (auto* const path = std::get_if<ThreadPath>(&thread.body)) any = path->drop() || any;
+  }
+  if (any) find_together();
+}
+
 void ThreadSet::accept() {
   for (Moving& thread : threads_) std::visit([](auto& own) { own.accept(); }, thread.body);
   steps_left_ = std::max(1, steps_left_ - 1);

@@ -41,7 +41,9 @@ class ThreadSet {
   void act(TouchedParticles& touched, const FindTool& find_tool);
   /// What has passed the tail of a needle at a pose, in order, becomes passages of the threads joined to it there.
   void follow_needle(std::string_view needle, std::span<const std::pair<Anchor, Vec3>> passed, const ToolPose& pose);
-  void accept();  ///< the step counts; without it the next act() does it over
+  bool is_finite() const;  ///< at the end of the step in question
+  void accept();           ///< the step counts
+  void drop();             ///< it does not: the next act() does it over
 
   /// Of a thread of the scene as it is now. Good until the next call of a function of this class.
   const ThreadState& state(const SceneThread& wanted) const;

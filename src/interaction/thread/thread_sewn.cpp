@@ -25,6 +25,7 @@ void ThreadPath::append(const Anchor& anchor, const Vec3& place, const Vec3& tip
   if (passages_.size() >= most_sewn || (!state_.broken.empty() && state_.broken.back() != 0)) return;
   const VecList& known = state_.position;
   if (known.size() > 2 && (known[known.size() - 2] - place).norm() < 2.0 * thread_.radius) return;
+  if (!before_) before_ = state_;
   passages_.push_back(anchor);
   state_.sewn.push_back(anchor);
   if (first) {
@@ -44,6 +45,14 @@ void ThreadPath::append(const Anchor& anchor, const Vec3& place, const Vec3& tip
   state_.position.insert(state_.position.end() - 1, place);
   state_.passages.push_back(static_cast<Index>(passages_.size()) - 1);
   state_.slides.push_back(0);
+}
+
+bool ThreadPath::drop() {
+  if (!before_) return false;
+  passages_.resize(passages_.size() - (state_.sewn.size() - before_->sewn.size()));
+  state_ = *std::move(before_);
+  before_.reset();
+  return true;
 }
 
 /// As long as the way, so that it is not taut where it is held again; what that takes comes from the other tail.

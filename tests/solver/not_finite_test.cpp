@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+//
+// Absurd but finite inputs to what lives on the host: a step is good and all its numbers are finite, or it fails, says
+// so and leaves the state as it was.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+
+#include <cmath>
+#include <functional>
+
+#include "support/tool_backends.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr double absurd = 1e300;
+const Vec3 far_away(0.5 * absurd, absurd, -absurd);
+
+class NotFiniteOn : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Cpu, NotFiniteOn, testing::Values("reference", "cpu"),
+                         [](const auto& backend) { return std::string(backend.param); });
+
+bool all_finite(const VecList& list) {
+  return std::ranges::all_of(list, [](const Vec3& v) { return v.allFinite(); });
+}
+bool all_finite(const std::vector<double>& list) {
+  return std::ranges::all_of(list, [](double x) { return std::isfinite(x); });
+}
+bool pose_is_finite(const ToolPose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.velocity.allFinite() &&
+         pose.spin.allFinite();
+}
+
+/// What a user can read of a solver.
+void expect_finite(const Solver& solver, const Scene& scene) {
+  const State state = solver.read();
+  EXPECT_TRUE(is_finite(state));
+  for (const ThreadState& thread : state.threads) {
+    EXPECT_TRUE(all_finite(thread.position) && all_finite(thread.velocity) && all_finite(thread.rest_length) &&
+                all_finite(thread.tension) && thread.force[0].allFinite() && thread.force[1].allFinite())
+        << thread.name;
+  }
+  for (const ToolState& tool : state.tools) {
+    EXPECT_TRUE(pose_is_finite(tool.pose) && all_finite(tool.held_at)) << tool.name;
+    const ToolForce& force = solver.tool_force(tool.name);
+    EXPECT_TRUE(force.force.allFinite() && force.torque.allFinite()) << tool.name;
+    EXPECT_TRUE(force.mean_force.allFinite() && force.mean_torque.allFinite()) << tool.name;
+  }
+  for (const FluidState& fluid : state.fluids) {
+    EXPECT_TRUE(std::isfinite(fluid.volume + fluid.pressure + fluid.pressure_before)) << fluid.name;
+  }
+  for (const SceneJoint& joint : scene.joints()) {
+    for (const SpringReport& spring : solver.joint_report(joint.name).springs) {
+      EXPECT_TRUE(spring.force.allFinite() && std::isfinite(spring.length)) << joint.name;
+    }
+  }
+}
+
+struct Input {
+  const char* name;
+  std::function<void(Scene&)> begin;  ///< before there is a solver
+  std::function<void(Scene&)> then;   ///< after some steps
+  bool fails = true;                  ///< some step must fail
+};
+
+const Thread free_thread{.length = 0.05, .segment = 5e-3};
+
+/// A ring of a thread through the block.
+void sew(Scene& scene) {
+  scene.sew("stitch", {.length = 0.2}, std::vector<Anchor>{at_particle(31), at_particle(33), at_particle(62)});
+}
+
+std::vector<Input> inputs() {
+  const auto free = [](Scene& scene) { scene.add_thread("thread", free_thread, {0, 0, 0.1}, {1, 0, 0}); };
+  const auto tool = [](const Tool& with) { return [with](Scene& scene) { scene.add_tool("tool", with); }; };
+  const auto ball = tool({.shape = Sphere{5e-3}, .pose = {.position = {0.02, 0.02, 0.044}}});
+  const auto moved = [](const ToolPose& pose) { return [pose](Scene& scene) { scene.tool("tool").move_to(pose); }; };
+  const ToolPose gone{.position = far_away}, flies{.position = {0, 0, 1}, .velocity = far_away},
+      spins{.position = {0.02, 0.02, 0.046}, .spin = far_away};
+  std::vector<Input> all{
+      {"a pulled thread", free, [](Scene& s) { s.thread("thread").pull(ThreadTip::last, far_away); }},
+      {"a held node", free, [](Scene& s) { s.thread("thread").hold(3, far_away); }},
+      {"a joined tip", free, [](Scene& s) { s.thread("thread").join(ThreadTip::first, at_world(far_away)); }},
+      {"a heavy thread",
+       [free](Scene& s) {
+         free(s);
+         s.fix(every_particle(s.model()));
+       },
+       [](Scene& s) { s.gravity(far_away); }},
+      {"a thread at a tool that flies",
+       [free, ball](Scene& s) {
+         free(s);
+         ball(s);
+         s.thread("thread").join(ThreadTip::last, at_tool("tool"));
+       },
+       moved(flies)},
+      {"a pulled stitch", sew, [](Scene& s) { s.thread("stitch").pull(ThreadTip::last, far_away); }},
+      {"a pulled stitch of a held body",
+       [](Scene& s) {
+         sew(s);
+         s.fix(every_particle(s.model()));
+       },
+       [](Scene& s) { s.thread("stitch").pull(ThreadTip::last, far_away); }, false},
+      {"a stitch that is joined", sew, [](Scene& s) { s.thread("stitch").join(ThreadTip::last, at_world(far_away)); }},
+      {"a clip", sew,
+       [](Scene& s) {
+         s.add_clip("clip", {.gap = absurd, .holding = absurd, .opening = 0.1}, at_particle(0), at_particle(124));
+       },
+       false},
+      {"a load", [](Scene&) {},
+       [](Scene& s) {
+         s.add({.type = LoadType::force, .particles = {124}, .events = {{0.0, absurd}}, .direction = {1, 0, 0}});
+       }},
+      {"a joint to a tool",
+       [ball](Scene& s) {
+         ball(s);
+         s.fix(every_particle(s.model()));
+         s.add_joint("joint", Joint{.springs = {{at_particle(0), at_tool("tool")}}, .stiffness = 1.0, .damping = 1e-3});
+       },
+       moved(gone)},
+      {"a fluid",
+       [](Scene& s) {
+         s.constrain_volume();
+         s.set_fluid("volume 1", {.law = FluidLaw::gas});
+       },
+       [](Scene& s) { s.set_volume("volume 1", absurd); }},
+      {"a volume", [](Scene& s) { s.constrain_volume(); }, [](Scene& s) { s.set_volume("volume 1", absurd); }},
+      {"a fluid in a held body",
+       [](Scene& s) {
+         s.constrain_volume();
+         s.set_fluid("volume 1", {.law = FluidLaw::gas});
+         s.fix(every_particle(s.model()));
+       },
+       [](Scene& s) { s.set_volume("volume 1", absurd); }, false},
+      {"a tight fluid in a held body",
+       [](Scene& s) {
+         s.constrain_volume();
+         s.set_fluid("volume 1", {.law = FluidLaw::gas, .exponent = 100.0});
+         s.fix(every_particle(s.model()));
+       },
+       [](Scene& s) { s.set_volume("volume 1", absurd); }},
+      {"a tool that holds",
+       [ball](Scene& s) {
+         ball(s);
+         s.tool("tool").grasp(5e-3);
+       },
+       moved(gone)},
+  };
+  const std::vector<std::pair<const char*, Tool>> tools{
+      {"a ball", {.shape = Sphere{5e-3}, .pose = {.position = {0.02, 0.02, 0.044}}}},
+      {"a ball on the surface",
+       {.shape = Sphere{5e-3}, .pose = {.position = {0.02, 0.02, 0.044}}, .contact = ToolContact::surface}},
+      {"a floor", {.shape = HalfSpace{}, .pose = {.position = {0.02, 0.02, -0.001}}}},
+      {"a box", {.shape = Box{{5e-3, 5e-3, 5e-3}}, .pose = {.position = {0.02, 0.02, 0.044}}, .friction = 0.3}},
+      {"a needle",
+       {.shape = Needle{.length = 0.05, .radius = 0.5e-3},
+        .pose = {.position = {0.021, 0.022, 0.03}, .orientation = {0, 1, 0, 0}}}},
+      {"a blade",
+       {.shape = Blade{.width = 0.02}, .pose = {.position = {0.021, 0.022, 0.04}, .orientation = {0, 1, 0, 0}}}}};
+  for (const auto& [name, with] : tools) {
+    all.push_back({name, tool(with), moved(gone), false});
+    all.push_back({name, tool(with), [gone](Scene& s) { s.tool("tool").teleport(gone); }, false});
+    all.push_back({name, tool(with), moved(flies), false});
+    all.push_back({name, tool(with), moved(spins), true});
+  }
+  return all;
+}
+
+TEST_P(NotFiniteOn, AStepThatIsNotFiniteFailsAndIsUndone) {
+  const Model model = with_material(make_tetrahedral_block(Vec3::Constant(0.04), 4, 4, 4, 0.2, 7), {5e3, 0.4, 1000.0});
+  for (const Input& input : inputs()) {
+    SCOPED_TRACE(input.name);
+    Scene scene(model);
+    scene.fix("z0");
+    input.begin(scene);
+    const auto solver = make_solver(GetParam(), model, scene);
+    const double dt = 0.3 * solver->stable_step();
+    ASSERT_TRUE(solver->step(5, dt).ok());
+    input.then(scene);
+    ASSERT_TRUE(solver->step(0, dt).ok());  // sees the scene
+    bool failed = false;
+    SCOPED_TRACE(input.name);
+    for (int k = 0; k < 50 && !failed; ++k) {
+      State before = solver->read();
+      const StepReport report = solver->step(k % 3 + 1, dt);
+      failed = !report.ok();
+      if (failed) {
+        EXPECT_TRUE(report.status == StepStatus::not_finite || report.status == StepStatus::volume_lost ||
+                    report.status == StepStatus::carried_away)
+            << report.message();
+        const State after = solver->read();
+        for (std::size_t t = 0; t < after.tools.size() && scene.tools()[t].places > 0; ++t) {
+          before.tools[t].pose = after.tools[t].pose;  // it is there at once
+          before.tools[t].placed = after.tools[t].placed;
+        }
+        EXPECT_TRUE(report.steps > 0 || after == before);
+        EXPECT_EQ(report.message().find("-1"), std::string::npos) << report.message();
+      }
+      expect_finite(*solver, scene);
+    }
+    EXPECT_TRUE(failed || !input.fails);
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test
