@@ -264,11 +264,17 @@ double ContactSurface::skins(const Particle& particle, const Triangle& triangle,
 /// A lip's point lies in the plane of the other lip's triangle at rest, or a little beside it where the cut is bent;
 /// the other side of a strip between two cuts is behind it by the strip's thickness.
 bool ContactSurface::are_lips(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
-  constexpr double facing = -0.5;  // cosine
-  constexpr double behind = 0.05;  // of an edge
+  constexpr double facing = -0.5, parallel = -0.95;  // cosines
+  constexpr double behind = 0.05, in_plane = 1e-3;   // of an edge
   if (!particle.of_cut || !triangle.of_cut) return false;
-  return particle.normal.dot(triangle.normal) < facing &&
-         triangle.normal.dot(rest[particle_row] - rest[triangle.corner[0]]) >= -behind * triangle.edge;
+  const double cosine = particle.normal.dot(triangle.normal);
+  if (!(cosine < facing)) return false;
+  const auto& [a, b, c] = triangle.corner;
+  const double ahead = triangle.normal.dot(rest[particle_row] - rest[a]) / triangle.edge;
+  const double opposite = particle.normal.dot((rest[a] + rest[b] + rest[c]) / 3.0 - rest[particle_row]) / triangle.edge;
+  // Of a bent cut one is behind the other. Where both are, tissue is between them, as in the angle of two cuts.
+  const bool around_tissue = ahead < -in_plane && opposite < -in_plane;
+  return ahead >= -(cosine < parallel ? behind : in_plane) && !around_tissue;
 }
 
 bool ContactSurface::is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
