@@ -136,12 +136,13 @@ void add_body_options(CLI::App& app, RunOptions& options) {
                    [&options](const std::string& name, const std::array<double, 3>& it) {
                      options.moves.push_back({name, {it[0], it[1], it[2]}});
                    });
-  auto* cut = app.add_option("--cut", options.cuts,
-                             "cut a body of tetrahedra before the run along a plane: a point, m, and a normal; may be "
-                             "given several times")
-                  ->option_text("X Y Z NX NY NZ")
-                  ->type_size(6)
-                  ->allow_extra_args(false);
+  auto* cut =
+      app.add_option("--cut", options.cuts,
+                     "cut a body of tetrahedra or walls before the run along a plane: a point, m, and a normal; may be "
+                     "given several times")
+          ->option_text("X Y Z NX NY NZ")
+          ->type_size(6)
+          ->allow_extra_args(false);
   app.add_option("--cut-front", options.cut_front,
                  "where cuts end: a plane, behind which, against its normal, they are made [all through]")
       ->option_text("X Y Z NX NY NZ")

@@ -58,7 +58,9 @@ class CutPlaces {
                   for (std::size_t v = 0; v < particles.size(); ++v) {
                     place += middle[static_cast<Eigen::Index>(v)] * model_.rest[particles[v]];
                   }
-                  return surface_.front(place) < lead_of_front * spacing_;
+                  const double front = surface_.front(place);
+                  if (std::isnan(front)) throw Error(std::string(who_) + ": expected distances to the front, got NaN");
+                  return front < lead_of_front * spacing_;
                 },
             .who = who_};
   }

@@ -76,8 +76,7 @@ double meet_volume(Stuffing& body, const std::vector<std::array<Index, 3>>& face
     along[i] *= body.leaf_edge[i] * body.leaf_edge[i];
     most_along = std::max(most_along, along[i].norm());
   }
-  const auto root =
-      root_of_cubic(volume_along(faces, body.place, along).growth, wanted - enclosed_volume(faces, body.place));
+  const auto root = root_of_cubic(volume_along(faces, body.place, along), wanted - enclosed_volume(faces, body.place));
   const double length = std::clamp(root.value_or(0.0), -most, most);
   for (std::size_t i = 0; i < along.size(); ++i) body.place[i] += length * along[i];
   return most_along * length;

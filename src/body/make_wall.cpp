@@ -9,6 +9,7 @@
 #include "base/decimal.h"
 #include "model/cell_geometry.h"
 #include "model/surface_facets.h"
+#include "model/tissue_surface.h"
 
 namespace phymul {
 namespace {
@@ -116,6 +117,9 @@ int add_capsule(Model& model, const Material& material, const Contains& contains
   validate(model);
   if (!(material.thickness > 0.0)) {
     throw Error("add_capsule: expected a material with a thickness above 0 m, got " + to_decimal(material.thickness));
+  }
+  if (has_cuts(model)) {
+    throw Error(ErrorCode::not_supported, "add_capsule: expected a body without cuts; add the capsule, then cut");
   }
   Model with = model;
   std::vector<Index> rows;  // of the new triangles

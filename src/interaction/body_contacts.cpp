@@ -180,7 +180,36 @@ std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidat
       best = found;
     }
   }
+  const bool has_sharp_pieces =
+      best && surface_->are_cut(surface_->particles[best->particle], surface_->triangles[best->triangle]);
+  if (has_sharp_pieces && best->inside && is_before_corner(list, *best)) {
+    best->inside = false;
+    best->way = -best->way;
+  }
   return best;
+}
+
+/// Whether a particle that is behind a triangle, and nearest to a corner or an edge of it, is outside all the same, as
+/// by the tip of a sharp piece: by the normals of all triangles there, weighted by their angles (see ClosestTriangle).
+bool BodyContacts::is_before_corner(const ContactCandidates::List& list, const Nearest& found) const {
+  std::array<Index, 3> at{};
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (found.share[static_cast<Eigen::Index>(k)] > 0.0) at[count++] = surface_->triangles[found.triangle].corner[k];
+  }
+  if (count == 3) return false;
+  Vec3 normal = Vec3::Zero();
+  for (const auto& near : list.triangles) {
+    const auto& corner = surface_->triangles[static_cast<std::size_t>(near.triangle)].corner;
+    const auto own = std::ranges::find(corner, at[0]);
+    if (own == corner.end() || (count == 2 && std::ranges::find(corner, at[1]) == corner.end())) continue;
+    const auto first = static_cast<std::size_t>(own - corner.begin());
+    const Vec3& tip = place_[corner[first]];
+    const Vec3 e = place_[corner[(first + 1) % 3]] - tip, f = place_[corner[(first + 2) % 3]] - tip, area = e.cross(f);
+    const double twice = area.norm();
+    if (twice > 0.0) normal += (count == 2 ? 1.0 : std::atan2(twice, e.dot(f))) / twice * area;
+  }
+  return normal.dot(found.way) < 0.0;
 }
 
 /// Nothing where the triangle is further than `search_distance`, m, away, or leads nowhere.
@@ -200,7 +229,9 @@ std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, st
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;
   found.rank = found.distance - ContactSurface::facing_share * surface_->longest_edge * std::abs(across);
-  found.inside = triangle.has_inside && across < 0.0;
+  // What cuts have parted lies in the planes of triangles, beside them: there rounding has the sign.
+  const double beside = surface_->are_cut(own, triangle) ? 1e-6 : 0.0;
+  found.inside = triangle.has_inside && across < -beside;
   // Far inside its own body a particle has not got in anywhere: the triangle is of its other side.
   if (own.body == triangle.body && found.inside && is_deep(found.distance, triangle, own)) return {};
   if (found.distance > 0.0) {

@@ -70,6 +70,7 @@ class BodyContacts {
   }
   std::optional<Nearest> nearest(const ContactCandidates::List& list, double search_distance) const;
   std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double search_distance) const;
+  bool is_before_corner(const ContactCandidates::List& list, const Nearest& found) const;
   void keep(const Nearest& found, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;
   void part(const Contact& contact, TouchedParticles& touched) const;

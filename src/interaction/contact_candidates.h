@@ -42,9 +42,10 @@ class ContactCandidates {
   /// Other options for the same surface.
   void change(const ContactOptions& options);
 
-  /// Calls visit(List), in no order, for each particle and body whose gap may be within `margin`, m. What the skin of a
-  /// particle's own body leaves out is in no list; what is not finite touches nothing. `margin` is twice what
-  /// the fastest particle goes in a step: two come nearer to each other by no more. Allocates only while lists grow.
+  /// Calls visit(List), in no order, for each particle and body whose gap may be within `margin`, m, with the triangles
+  /// of that body that may be nearest to it. What the skin of a particle's own body leaves out is in no list; what is
+  /// not finite touches nothing. `margin` is twice what the fastest particle goes in a step: two come nearer to each
+  /// other by no more. Allocates only while lists grow.
   template <class Visit>
   void each(std::span<const Vec3> place, double margin, Visit visit) {
     if (hold(place, margin)) {

@@ -19,13 +19,18 @@ namespace {
 /// Adds one body: its particles by row of the model, and triangles with outward normals.
 class SurfaceBuilder {
  public:
-  SurfaceBuilder(const Model& model, ContactSurface& surface)
-      : model_(model), surface_(surface), slot_(model.rest.size(), -1) {}
+  /// `walls`: walls_beside_cells().
+  SurfaceBuilder(const Model& model, ContactSurface& surface, std::span<const Index> walls)
+      : model_(model), surface_(surface), slot_(model.rest.size(), -1) {
+    for (const Index row : walls) walls_.push_back(key(model.cells[row].particles));
+    std::ranges::sort(walls_);
+  }
 
-  void add(std::span<const Facet> facets, Index body, bool solid) {
+  /// The first `solid` of the facets are of volume cells.
+  void add(std::span<const Facet> facets, Index body, std::size_t solid) {
     const std::size_t first = surface_.particles.size();
     edges_.clear();
-    for (const Facet& facet : facets) add(facet, body, solid);
+    for (std::size_t k = 0; k < facets.size(); ++k) add(facets[k], body, k < solid);
     for (Index i = 0; facets.empty() && i < model_.particle_count(); ++i) {
       if (surface_.body_of[i] != body) continue;
       for (const Index* j = model_.neighbours.begin(i); j != model_.neighbours.end(i); ++j) add_edge(i, *j, body);
@@ -74,7 +79,7 @@ class SurfaceBuilder {
       surface_.triangles.push_back({.corner = {slot[corner[0]], slot[corner[1]], slot[corner[2]]},
                                     .body = body,
                                     .edge = edge,
-                                    .has_inside = solid,
+                                    .has_inside = solid && !is_of_wall(tissue, corner),
                                     .of_cut = of_cut,
                                     .normal = of_cut ? area.normalized() : Vec3(Vec3::Zero())});
     }
@@ -121,6 +126,26 @@ class SurfaceBuilder {
     return std::sqrt(longest);
   }
 
+  using Corners = std::array<Index, 3>;
+
+  static Corners key(std::span<const Index> particles) {
+    Corners own{particles[0], particles[1], particles[2]};
+    std::ranges::sort(own);
+    return own;
+  }
+
+  /// Whether its corners are means of the particles of a wall.
+  bool is_of_wall(const TissueSurface& tissue, const std::array<Index, 3>& corner) const {
+    if (walls_.empty()) return false;
+    std::vector<Index> particles;
+    for (const Index c : corner) {
+      for (const Index i : tissue.vertices[c].particles) {
+        if (i >= 0 && std::ranges::find(particles, i) == particles.end()) particles.push_back(i);
+      }
+    }
+    return particles.size() == 3 && std::ranges::binary_search(walls_, key(particles));
+  }
+
   Index slot(Index row, Index body) {
     if (slot_[row] < 0) {
       slot_[row] = static_cast<Index>(surface_.particles.size());
@@ -164,6 +189,7 @@ class SurfaceBuilder {
   ContactSurface& surface_;
   std::vector<Index> slot_;  // [N]
   std::vector<int> edges_;   // of the particles of the body at hand, at each
+  std::vector<Corners> walls_;
 };
 
 }  // namespace
@@ -196,16 +222,20 @@ ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer)
     for (Facet& facet : find(chosen)) facets[body_of[facet.particles[0]]].push_back(std::move(facet));
   };
   add_facets(true, [&](std::span<const char> chosen) { return facets_of_cells(model, chosen, outer); });
+  std::vector<std::size_t> solid;
+  for (Index body = 0; body < rows.count; ++body) solid.push_back(kind[body].solid ? facets[body].size() : 0);
+  add_facets(true, [&](std::span<const char> chosen) { return facets_of_walls(model, chosen, outer); });
   add_facets(false, [&](std::span<const char> chosen) { return explicit_facets(model, chosen); });
   TissueSurface tissue;
   if (std::ranges::any_of(kind, &Kind::cut)) tissue = tissue_surface_of(model, outer);
   const VecList place = tissue.at(model.rest);
-  SurfaceBuilder builder(model, surface);
+  const bool walls_beside = std::ranges::any_of(kind, [](const Kind& own) { return own.solid && own.cut; });
+  SurfaceBuilder builder(model, surface, walls_beside ? walls_beside_cells(model, outer) : std::vector<Index>{});
   for (Index body = 0; body < rows.count; ++body) {
     if (kind[body].cut) {
       builder.add_tissue(tissue, place, body, kind[body].solid);
     } else {
-      builder.add(facets[body], body, kind[body].solid);
+      builder.add(facets[body], body, solid[body]);
     }
   }
   if (!surface.is_cut.empty()) surface.is_cut.resize(rows.count, 0);
@@ -234,11 +264,17 @@ double ContactSurface::skins(const Particle& particle, const Triangle& triangle,
 /// A lip's point lies in the plane of the other lip's triangle at rest, or a little beside it where the cut is bent;
 /// the other side of a strip between two cuts is behind it by the strip's thickness.
 bool ContactSurface::are_lips(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {
-  constexpr double facing = -0.5;  // cosine
-  constexpr double behind = 0.05;  // of an edge
+  constexpr double facing = -0.5, parallel = -0.95;  // cosines
+  constexpr double behind = 0.05, in_plane = 1e-3;   // of an edge
   if (!particle.of_cut || !triangle.of_cut) return false;
-  return particle.normal.dot(triangle.normal) < facing &&
-         triangle.normal.dot(rest[particle_row] - rest[triangle.corner[0]]) >= -behind * triangle.edge;
+  const double cosine = particle.normal.dot(triangle.normal);
+  if (!(cosine < facing)) return false;
+  const auto& [a, b, c] = triangle.corner;
+  const double ahead = triangle.normal.dot(rest[particle_row] - rest[a]) / triangle.edge;
+  const double opposite = particle.normal.dot((rest[a] + rest[b] + rest[c]) / 3.0 - rest[particle_row]) / triangle.edge;
+  // Of a bent cut one is behind the other. Where both are, tissue is between them, as in the angle of two cuts.
+  const bool around_tissue = ahead < -in_plane && opposite < -in_plane;
+  return ahead >= -(cosine < parallel ? behind : in_plane) && !around_tissue;
 }
 
 bool ContactSurface::is_own_skin(const Particle& particle, std::size_t particle_row, const Triangle& triangle) const {

@@ -147,8 +147,10 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
     push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
     push.before = surface.has_pressure ? surface.now.pressure_before : push.now;
   }
-  const auto [reached, growth] = volume_along(surface.triangles, surface.end, surface.along);
-  auto s = root_of_cubic(growth, [&](double at) -> WantedVolume {
+  // By the same sum as Scene's, so that rest stays rest.
+  const double reached = enclosed_volume(surface.triangles, surface.end);
+  const auto along = volume_along(surface.triangles, surface.end, surface.along);
+  auto s = root_of_cubic(along, [&](double at) -> WantedVolume {
     const WantedVolume all = push(at);
     return {all.volume - reached, all.slope};
   });

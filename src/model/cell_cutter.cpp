@@ -48,6 +48,7 @@ class CellCutter {
     const auto again = std::ranges::unique(corners);
     corners.erase(again.begin(), again.end());
     for (const Index i : corners) copy_particle(i);
+    if (!result_.copies.empty()) move_clamps();
     for (Piece& piece : pieces_) {
       if (piece.is_added) {
         result_.added.push_back({piece.row, std::move(piece.now)});
@@ -277,6 +278,25 @@ class CellCutter {
         std::max_element(result_.masses.begin() + first_mass, result_.masses.end(),
                          [](const BodyCut::Mass& a, const BodyCut::Mass& b) { return a.after < b.after; });
     heaviest->after += mass - sum;
+  }
+
+  /// Clamped edges stay with the part of a wall that has the whole of them.
+  void move_clamps() {
+    for (Index row = 0; row < static_cast<Index>(body_.model.cells.size()); ++row) {
+      const Cell& cell = body_.model.cells[row];
+      if (cell.type != CellType::line || cell.material < 0) continue;
+      const std::array<Index, 2> edge{cell.particles[0], cell.particles[1]};
+      for (const Piece& piece : pieces_) {
+        const auto has = [&](Index i) { return corner_of(piece, i) < piece.before.size(); };
+        if (!is_wall_row(piece.row) || !std::ranges::all_of(edge, has)) continue;
+        if (tissue_in_common(piece.before, piece.now.cuts, piece.before, {}, edge) < 1.0) continue;
+        BodyCut::Part before = part_of(cell), after = before;
+        for (std::size_t k = 0; k < edge.size(); ++k)
+          after.particles[k] = piece.now.particles[corner_of(piece, edge[k])];
+        if (after != before) result_.changed.push_back({row, std::move(before), std::move(after)});
+        break;
+      }
+    }
   }
 
   static std::size_t corner_of(const Piece& piece, Index particle) {

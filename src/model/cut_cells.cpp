@@ -21,28 +21,6 @@ double volume_of(const CutPiece& piece) {
   return std::abs(corners.determinant());
 }
 
-/// Sutherland and Hodgman's clipping of a triangle.
-double share_of_face(std::span<const FaceCut> cuts) {
-  std::vector<Vec3> polygon{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, clipped;
-  for (const FaceCut& cut : cuts) {
-    if (cut[0] == 0.0 && cut[1] == 0.0 && cut[2] == 0.0) continue;  // the face lies on the cut: it bounds the tissue
-    const Vec3 values(cut[0], cut[1], cut[2]);
-    clipped.clear();
-    for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const Vec3 &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
-      const double here = values.dot(from), there = values.dot(to);
-      if (here >= 0.0) clipped.push_back(from);
-      if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
-    }
-    polygon.swap(clipped);
-  }
-  Vec3 area = Vec3::Zero();
-  for (std::size_t k = 2; k < polygon.size(); ++k) {
-    area += (polygon[k - 1] - polygon[0]).cross(polygon[k] - polygon[0]);
-  }
-  return area.norm() / std::sqrt(3.0);
-}
-
 /// The part of a piece where a function is above 0, as tetrahedra: of four, three, two, one or no corner.
 void add_part_above(const CutPiece& piece, const CellCut& cut, std::vector<CutPiece>& parts) {
   const Barycentric values(cut[0], cut[1], cut[2], cut[3]);
@@ -79,11 +57,33 @@ void add_part_above(const CutPiece& piece, const CellCut& cut, std::vector<CutPi
 
 }  // namespace
 
+/// Sutherland and Hodgman's clipping of a triangle.
+double face_share(std::span<const FaceCut> cuts) {
+  std::vector<Vec3> polygon{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, clipped;
+  for (const FaceCut& cut : cuts) {
+    if (cut[0] == 0.0 && cut[1] == 0.0 && cut[2] == 0.0) continue;  // the face lies on the cut: it bounds the tissue
+    const Vec3 values(cut[0], cut[1], cut[2]);
+    clipped.clear();
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Vec3 &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
+      const double here = values.dot(from), there = values.dot(to);
+      if (here >= 0.0) clipped.push_back(from);
+      if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
+    }
+    polygon.swap(clipped);
+  }
+  Vec3 area = Vec3::Zero();
+  for (std::size_t k = 2; k < polygon.size(); ++k) {
+    area += (polygon[k - 1] - polygon[0]).cross(polygon[k] - polygon[0]);
+  }
+  return area.norm() / std::sqrt(3.0);
+}
+
 double tissue_share(std::span<const CellCut> cuts, std::size_t corners) {
   if (corners == 3) {
     std::vector<FaceCut> of_face;
     for (const CellCut& cut : cuts) of_face.push_back({cut[0], cut[1], cut[2]});
-    return share_of_face(of_face);
+    return face_share(of_face);
   }
   std::vector<CutPiece> pieces{
       {Barycentric::Unit(0), Barycentric::Unit(1), Barycentric::Unit(2), Barycentric::Unit(3)}},
@@ -99,7 +99,7 @@ double tissue_share(std::span<const CellCut> cuts, std::size_t corners) {
 }
 
 bool has_tissue(std::span<const FaceCut> cuts) {
-  return share_of_face(cuts) > no_area;
+  return face_share(cuts) > no_area;
 }
 
 double tissue_in_common(std::span<const Index> of_a, std::span<const CellCut> cuts_of_a, std::span<const Index> of_b,

@@ -18,7 +18,9 @@ using FaceCut = std::array<double, 3>;
 /// 0.
 double tissue_share(std::span<const CellCut> cuts, std::size_t corners);
 
-/// Whether there is a part of a triangle, of more area than rounding leaves, in which all of them are above 0.
+/// Share of the area of a face in which all of them are above 0; what lie along the face does not count.
+double face_share(std::span<const FaceCut> cuts);
+/// Whether that is more than rounding leaves.
 bool has_tissue(std::span<const FaceCut> cuts);
 
 /// The share of a side that has tissue of both of two cells, which have its two particles and lie beside each other;

@@ -50,23 +50,20 @@ void volume_gradient(Triangles triangles, std::span<const Vec3> position, std::s
   }
 }
 
-VolumeAlong volume_along(Triangles triangles, std::span<const Vec3> position, std::span<const Vec3> along) {
-  VolumeAlong found;
-  if (triangles.empty()) return found;
-  auto& [volume, c] = found;
+std::array<double, 3> volume_along(Triangles triangles, std::span<const Vec3> position, std::span<const Vec3> along) {
+  std::array<double, 3> c{0.0, 0.0, 0.0};
+  if (triangles.empty()) return c;
   const Vec3 origin = position[triangles.front()[0]];
   for (const std::array<Index, 3>& t : triangles) {
     // d . dV/dx(x), x . dV/dx(d) and V(d), with the gradient as above.
     const Vec3 middle = (position[t[0]] + position[t[1]] + position[t[2]]) - 3.0 * origin;
-    const Vec3 now = twice_area(t, position), across = twice_area(t, along);
-    volume += middle.dot(now);
-    c[0] += (along[t[0]] + along[t[1]] + along[t[2]]).dot(now);
+    const Vec3 across = twice_area(t, along);
+    c[0] += (along[t[0]] + along[t[1]] + along[t[2]]).dot(twice_area(t, position));
     c[1] += middle.dot(across);
     c[2] += along[t[0]].dot(across);
   }
-  volume /= 18.0;
   for (double& value : c) value /= 6.0;
-  return found;
+  return c;
 }
 
 }  // namespace phymul

@@ -28,12 +28,8 @@ double enclosed_volume(Triangles triangles, std::span<const Vec3> position);
 /// dV/dx, m^2; overwrites `gradient`. Of a closed surface the sum is 0, and that of x cross gradient.
 void volume_gradient(Triangles triangles, std::span<const Vec3> position, std::span<Vec3> gradient);
 
-/// V(x) as enclosed_volume(), and c1, c2, c3 of V(x + s d) - V(x).
-struct VolumeAlong {
-  double volume = 0.0;
-  std::array<double, 3> growth{0.0, 0.0, 0.0};
-};
-VolumeAlong volume_along(Triangles triangles, std::span<const Vec3> position, std::span<const Vec3> along);
+/// c1, c2, c3 of V(x + s d) - V(x).
+std::array<double, 3> volume_along(Triangles triangles, std::span<const Vec3> position, std::span<const Vec3> along);
 
 /// m^3, at an s, and by how much it grows with it: not at all, or it falls.
 struct WantedVolume {

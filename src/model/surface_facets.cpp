@@ -57,12 +57,44 @@ std::vector<std::array<Index, 3>> plane_triangles(const Model& model) {
   return triangles;
 }
 
+bool is_made_of_cells(const Model& model) {
+  return std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell.type); });
+}
+
 }  // namespace
 
 std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen) {
-  const bool made_of_cells =
-      std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell.type); });
-  return made_of_cells ? facets_of_cells(model, chosen, OuterFaces(model)) : explicit_facets(model, chosen);
+  if (!is_made_of_cells(model)) return explicit_facets(model, chosen);
+  const OuterFaces outer(model);
+  std::vector<Facet> facets = facets_of_cells(model, chosen, outer);
+  std::ranges::move(facets_of_walls(model, chosen, outer), std::back_inserter(facets));
+  return facets;
+}
+
+std::vector<Index> walls_beside_cells(const Model& model, const OuterFaces& outer) {
+  std::vector<Index> rows;
+  if (!has_walls(model)) return rows;
+  std::vector<FaceKey> known;  // in order
+  outer.each(model, [&](std::span<const OuterFace> faces) { known.emplace_back(faces[0].ring); });
+  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+    const Cell& cell = model.cells[row];
+    if (!is_wall(model, cell)) continue;
+    const FaceKey own({cell.particles[0], cell.particles[1], cell.particles[2], -1});
+    if (!std::ranges::binary_search(known, own)) rows.push_back(row);
+  }
+  return rows;
+}
+
+std::vector<Facet> facets_of_walls(const Model& model, std::span<const char> chosen, const OuterFaces& outer) {
+  std::vector<Facet> facets;
+  for (const Index row : walls_beside_cells(model, outer)) {
+    const Cell& cell = model.cells[row];
+    const std::array<Index, 4> ring{cell.particles[0], cell.particles[1], cell.particles[2], -1};
+    if (!all_chosen(ring, chosen)) continue;
+    facets.push_back(made_facet(model, ring, false));
+    facets.back().area *= cell.share;
+  }
+  return facets;
 }
 
 std::vector<Facet> explicit_facets(const Model& model, std::span<const char> chosen) {
@@ -83,16 +115,20 @@ std::vector<Facet> explicit_facets(const Model& model, std::span<const char> cho
 std::vector<Facet> facets_of_cells(const Model& model, std::span<const char> chosen, const OuterFaces& outer) {
   std::vector<Facet> facets;
   std::vector<FaceCut> cuts;
-  const auto is_beyond_cut = [&](const OuterFace& face) {
-    if (face.cell->cuts.empty()) return false;
+  const auto share_of = [&](const OuterFace& face) {
+    if (face.cell->cuts.empty()) return 1.0;
     cuts.clear();
     add_cuts_of_face(face.cell->particles, face.cell->cuts, {face.ring[0], face.ring[1], face.ring[2]}, cuts);
-    return !has_tissue(cuts);
+    return has_tissue(cuts) ? face_share(cuts) : 0.0;
   };
   outer.each(model, [&](std::span<const OuterFace> faces) {
-    if (!all_chosen(faces[0].ring, chosen) || std::ranges::all_of(faces, is_beyond_cut)) return;
+    if (!all_chosen(faces[0].ring, chosen)) return;
+    double share = 0.0;
+    for (const OuterFace& face : faces) share += share_of(face);
+    if (share == 0.0) return;  // beyond a cut
     const bool inside_out = signed_measure(model.dimension, *faces[0].cell, model.rest) < 0.0;
     facets.push_back(made_facet(model, faces[0].ring, inside_out));
+    if (share < 1.0) facets.back().area *= share;
   });
   return facets;
 }
@@ -105,7 +141,9 @@ Vec3 ring_area(std::span<const Index> ring, std::span<const Vec3> position) {
 
 std::vector<std::array<Index, 3>> outward_triangles(const Model& model) {
   std::vector<std::array<Index, 3>> triangles;
-  for (Facet& facet : surface_facets(model, std::vector<char>(model.rest.size(), 1))) {
+  const std::vector<char> all(model.rest.size(), 1);
+  for (Facet& facet :
+       is_made_of_cells(model) ? facets_of_cells(model, all, OuterFaces(model)) : explicit_facets(model, all)) {
     // A facet has the winding of its cell, which may be inside out, and an area that points outward all the same.
     if (ring_area(facet.particles, model.rest).dot(facet.area) < 0.0) std::ranges::reverse(facet.particles);
     append_ring(facet.particles, triangles);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "cell_geometry.h"
+#include "surface_facets.h"
 #include "tissue_surface.h"
 
 namespace phymul {
@@ -68,17 +69,17 @@ class TissueSurfaceBuilder {
   explicit TissueSurfaceBuilder(const Model& model) : model_(model), of_particle_(model.rest.size(), -1) {}
 
   TissueSurface build(const OuterFaces& outer) {
-    std::vector<FaceKey> known;
     outer.each(model_, [&](std::span<const OuterFace> faces) {
-      known.emplace_back(faces[0].ring);
       for (const OuterFace& face : faces) add_face(*face.cell, face.ring);
     });
-    for (const Cell& cell : model_.cells) {
+    const std::vector<Index> walls = walls_beside_cells(model_, outer);
+    auto next = walls.begin();
+    for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
+      const Cell& cell = model_.cells[row];
       if (is_solid(model_.dimension, cell)) add_cuts(cell);
-      if (!is_wall(model_, cell)) continue;
-      const std::array<Index, 4> ring{cell.particles[0], cell.particles[1], cell.particles[2], -1};
-      // A capsule is on a face that is there already; faces come in order.
-      if (!std::ranges::binary_search(known, FaceKey(ring))) add_face(cell, ring);
+      if (next == walls.end() || *next != row) continue;
+      add_face(cell, {cell.particles[0], cell.particles[1], cell.particles[2], -1});
+      ++next;
     }
     return std::move(surface_);
   }

@@ -285,21 +285,20 @@ Scene& Scene::clear() {
   return *this;
 }
 
-/// What is imposed on a particle, and an acceleration, is on all of its tissue; pressure on faces at a cut is on those
-/// of particles through which it passes; a force stays at the particle.
+/// What is imposed on a particle, an acceleration and a pressure are on all of its tissue; a force stays at the
+/// particle.
 void Scene::follow_copies(const BodyCuts& cuts) {
   std::vector<BodyCut::Copy> now;
   for (const auto& cut : cuts) now.insert(now.end(), cut->copies.begin(), cut->copies.end());
   const auto stays = std::ranges::mismatch(copies_, now);
   for (std::size_t row = 0; row < loads_.size(); ++row) {
-    const LoadType type = loads_[row].type;
-    const bool on_all = imposes(type) || type == LoadType::acceleration;
+    const bool on_all = loads_[row].type != LoadType::force;
     std::vector<Index>& particles = loads_[row].particles;
     const std::size_t before = particles.size();
     for (auto old = stays.in1; old != copies_.end(); ++old) std::erase(particles, old->particle);
     bool changed = particles.size() != before;
     for (auto added = stays.in2; added != now.end(); ++added) {
-      if (!on_all && !(type == LoadType::pressure && added->shared)) continue;
+      if (!on_all) continue;
       if (std::ranges::find(particles, added->of) == particles.end()) continue;
       particles.push_back(added->particle);
       changed = true;

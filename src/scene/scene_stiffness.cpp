@@ -20,7 +20,7 @@ void require_factor(const Model& model, double factor) {
   if (model.materials.empty()) {
     throw Error("scale_stiffness: expected a model with a material, got one without; use set_material first");
   }
-  if (has_walls(model)) {
+  if (std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_of_wall(model, cell); })) {
     throw Error(ErrorCode::not_supported,
                 "scale_stiffness: expected a body without walls (materials with a thickness)");
   }
@@ -43,7 +43,7 @@ void require_tearing(const Model& model, const Tearing& law) {
   }
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
-    const bool can_tear = !is_wall(model, cell) && (!is_volume(cell.type) || cell.type == CellType::tetrahedron);
+    const bool can_tear = !is_of_wall(model, cell) && (!is_volume(cell.type) || cell.type == CellType::tetrahedron);
     if (can_tear || cell.material < 0) continue;
     throw Error(ErrorCode::not_supported,
                 "tear: expected a body of tetrahedra without walls; " + cell_label(model, row) + " cannot tear");

@@ -13,6 +13,7 @@
 #include "model/body_type.h"
 #include "model/cell_geometry.h"
 #include "model/point_cells.h"
+#include "wall_terms.h"
 
 namespace phymul {
 namespace {
@@ -94,16 +95,19 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
 
 /// Where its particles are now.
 void BodyEdit::take_cell(Index row) {
+  const auto insert = [row](std::vector<Index>& rows) {
+    const auto at = std::ranges::lower_bound(rows, row);
+    if (at == rows.end() || *at != row) rows.insert(at, row);
+  };
+  if (is_clamp(model_.cells[row])) {
+    for (const Index i : model_.cells[row].particles) insert(walls_of_[i]);
+  }
   if (!has_material(model_, model_.cells[row])) return;
   ++cell_count_;
   Cell whole = model_.cells[row];
   whole.share = whole_share_[row];
   mass_of_corner_[row] = model_.materials[whole.material].density * tissue_volume(model_, whole) /
                          static_cast<double>(whole.particles.size());
-  const auto insert = [row](std::vector<Index>& rows) {
-    const auto at = std::ranges::lower_bound(rows, row);
-    if (at == rows.end() || *at != row) rows.insert(at, row);
-  };
   for (const Index i : whole.particles) {
     insert(cells_of_[i]);
     if (is_of_wall(model_, whole)) insert(walls_of_[i]);
@@ -111,12 +115,11 @@ void BodyEdit::take_cell(Index row) {
 }
 
 void BodyEdit::lift_cell(Index row) {
-  if (!has_material(model_, model_.cells[row])) return;
-  --cell_count_;
   for (const Index i : model_.cells[row].particles) {
     std::erase(cells_of_[i], row);
     std::erase(walls_of_[i], row);
   }
+  if (has_material(model_, model_.cells[row])) --cell_count_;
 }
 
 void BodyEdit::weigh_lumped(Index i) {

@@ -38,7 +38,7 @@ double own_stiffness_of(const WallTexel& wall, std::size_t v) {
 
 }  // namespace
 
-/// Whose terms are which, and clamped edges.
+/// Whose terms are which.
 void BodyEdit::find_walls() {
   const std::vector<WallTexel>& walls = topology_.walls;
   std::size_t next = 0;
@@ -51,8 +51,6 @@ void BodyEdit::find_walls() {
     while (is_wall(model_, cell) && next < walls.size() && is_its_own(walls[next])) {
       walls_at_.back().push_back(static_cast<Index>(next++));
     }
-    if (cell.type != CellType::line || cell.material < 0) continue;
-    for (const Index i : cell.particles) walls_of_[i].push_back(row);
   }
 }
 

@@ -30,10 +30,6 @@ bool has(const Cell& cell, Index particle) {
   return std::ranges::find(cell.particles, particle) != cell.particles.end();
 }
 
-bool is_clamp(const Cell& cell) {
-  return cell.type == CellType::line && cell.material >= 0;
-}
-
 /// Beside a triangle, at one of its sides.
 struct Beside {
   struct Wall {
@@ -303,7 +299,7 @@ std::vector<WallTexel> wall_terms(const Model& model) {
   const auto rows = static_cast<Index>(model.cells.size());
   for (Index row = 0; row < rows; ++row) {
     const Cell& cell = model.cells[row];
-    if (!is_wall(model, cell) && !is_clamp(cell)) continue;
+    if (!is_of_wall(model, cell) && !is_clamp(cell)) continue;
     for (const Index i : cell.particles) cells_of[i].push_back(row);
   }
   for (Index row = 0; row < rows; ++row) {
@@ -315,7 +311,14 @@ std::vector<WallTexel> wall_terms(const Model& model) {
     const auto triangles = std::ranges::count_if(cells_of[cell.particles[0]], [&](Index at) {
       return is_wall(model, model.cells[at]) && has(model.cells[at], cell.particles[1]);
     });
-    if (triangles == 1) continue;
+    // Where it is cut, or its triangle is removed, the edge is free.
+    const auto is_changed_at = [&](Index i) {
+      return std::ranges::any_of(cells_of[i], [&](Index at) {
+        const Cell& wall = model.cells[at];
+        return is_of_wall(model, wall) && (wall.share == 0.0 || !wall.cuts.empty());
+      });
+    };
+    if (triangles == 1 || std::ranges::any_of(cell.particles, is_changed_at)) continue;
     throw Error(ErrorCode::invalid_model,
                 cell_label(model, static_cast<std::size_t>(row)) +
                     ": expected a line with a material to be an edge of a wall with one triangle "

@@ -22,6 +22,11 @@ namespace phymul {
 /// edge that is not one of its own with one triangle.
 std::vector<WallTexel> wall_terms(const Model& model);
 
+/// Whether it clamps an edge of a wall (clamp_edges).
+inline bool is_clamp(const Cell& cell) {
+  return cell.type == CellType::line && cell.material >= 0;
+}
+
 /// Of one triangle of a wall: one term, or where it has an edge with more than one other triangle (walls that branch)
 /// one for each of these, with shares of its energy in proportion to their bending stiffness, so that a thin wall takes
 /// nothing of a thick one that it joins. A part of a triangle that a cut divides has its share of the energy, and what

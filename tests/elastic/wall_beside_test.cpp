@@ -3,12 +3,15 @@
 // Walls and cells that fill space in one model: beside each other, and as a capsule on a body's surface.
 #include <gtest/gtest.h>
 #include <phymul/elasticity.h>
+#include <phymul/load_frame.h>
 #include <phymul/simulation.h>
 
+#include "model/cell_geometry.h"
 #include "support/bodies.h"
 #include "support/cpu_forces.h"
 #include "support/message_of.h"
 #include "support/wall_cases.h"
+#include "view/display_lists.h"
 
 namespace phymul::test {
 namespace {
@@ -45,6 +48,39 @@ TEST(WallBeside, HasTheLawOfCellsAndWallsBesides) {
     EXPECT_EQ(tables.options.law, Law::particle_averaged);
     EXPECT_FALSE(tables.walls.empty());
     EXPECT_FALSE(tables.domains.empty());
+  }
+}
+
+/// Pressure, springs and pictures have the walls beside cells, and a capsule once with the face that it is on.
+TEST(WallBeside, SurfaceHasTheWalls) {
+  const Model beside = block_and_sheet(), in_capsule = capsule_of(2, true);
+  for (const Model* model : {&beside, &in_capsule}) {
+    const bool apart = model == &beside;
+    const std::vector<Index> pressed =
+        model->particles_in([&](const Vec3& X) { return !apart || X.x() > block_length + 1e-9; });
+    double area = 0.0;  // m^2
+    for (const Cell& cell : model->cells) {
+      if (apart && cell.type == CellType::triangle) area += area_vector(cell.particles, model->rest).norm();
+    }
+    if (!apart) area = 2.0 * block_side * block_side + 4.0 * block_side * block_length;
+    Scene scene(*model);
+    Load load{.type = LoadType::pressure, .events = {{0.0, 100.0}}, .direction = {0, 0, 1}};
+    load.particles = pressed;
+    scene.add(load);
+    LoadFrame frame;
+    scene.prepare(frame);
+    scene.evaluate(0.0, frame);
+    EXPECT_NEAR(sum(frame.force).z(), 100.0 * area, 1e-9 * area);
+    scene.attach(pressed, World{}, {.stiffness = 1e6});
+    double shares = 0.0;
+    for (const JointSpring& spring : scene.joints().back().joint.springs) shares += spring.share;
+    EXPECT_NEAR(shares, area, 1e-9 * area);
+    double drawn = 0.0;
+    for (const auto& face : display_lists(*model).faces) {
+      drawn += area_vector(std::span(face).first(face[3] < 0 ? 3 : 4), model->rest).norm();
+    }
+    const double block_area = 2.0 * block_side * block_side + 4.0 * block_side * block_length;
+    EXPECT_NEAR(drawn, apart ? area + block_area : area, 1e-9 * drawn);
   }
 }
 

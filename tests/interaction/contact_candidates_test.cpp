@@ -35,12 +35,14 @@ Model two_cubes(double gap) {
 
 using Pairs = std::set<std::pair<std::size_t, Index>>;
 
-/// Those that a step with this margin may ask for, of all there are.
+/// Those that a step with this margin may ask for, of all there are: of a particle and a body what may rank first.
 Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, const ContactOptions& options,
                        double margin) {
   Pairs pairs;
   for (std::size_t k = 0; k < place.size(); ++k) {
     const ContactSurface::Particle& own = surface.particles[k];
+    std::vector<std::pair<double, Index>> reached;  // m, triangle
+    std::vector<double> nearest(static_cast<std::size_t>(surface.bodies), HUGE_VAL);
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
       const ContactSurface::Triangle& triangle = surface.triangles[t];
       if (own.body == triangle.body && !options.self) continue;
@@ -48,9 +50,16 @@ Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, cons
       const Vec3 share = closest_point(place[k], a, b, c);
       const double skins =
           options.margin > 0.0 ? 2.0 * options.margin : ContactSurface::usual_skin * (triangle.edge + own.edge);
-      const double reach = std::max(margin + skins, ContactSurface::depth_factor * std::max(triangle.edge, own.edge));
-      if (!((place[k] - (share[0] * a + share[1] * b + share[2] * c)).norm() <= reach)) continue;
-      if (!surface.is_own_skin(own, k, triangle)) pairs.insert({k, static_cast<Index>(t)});
+      const double deep = ContactSurface::depth_factor * std::max(triangle.edge, own.edge);
+      const double off = (place[k] - (share[0] * a + share[1] * b + share[2] * c)).norm();
+      if (!(off <= std::max(margin + skins, deep)) || surface.is_own_skin(own, k, triangle)) continue;
+      reached.emplace_back(off, static_cast<Index>(t));
+      double& least = nearest[triangle.body];
+      if (off < deep) least = std::min(least, off);
+    }
+    for (const auto& [off, t] : reached) {
+      const double facing = ContactSurface::facing_share * surface.longest_edge;
+      if (off <= nearest[surface.triangles[t].body] + facing) pairs.insert({k, t});
     }
   }
   return pairs;

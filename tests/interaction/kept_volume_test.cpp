@@ -31,8 +31,7 @@ TEST(EnclosedVolume, OfATetrahedronByHand) {
     // Grown by s about its corner all edges are 1 + s: V = (1 + s)^3 / 6.
     VecList along(4);
     for (int k = 0; k < 4; ++k) along[k] = x[k] - origin;
-    const auto [volume, c] = volume_along(tetrahedron_faces, x, along);
-    EXPECT_NEAR(volume, 1.0 / 6.0, 1e-15);
+    const auto c = volume_along(tetrahedron_faces, x, along);
     EXPECT_NEAR(c[0], 0.5, 1e-14);
     EXPECT_NEAR(c[1], 0.5, 1e-14);
     EXPECT_NEAR(c[2], 1.0 / 6.0, 1e-14);
@@ -50,8 +49,7 @@ TEST(EnclosedVolume, TheCubicIsExactAlongAnyDirections) {
       x[i] = random_vector(bits, 3);
       along[i] = random_vector(bits, 3);
     }
-    const auto [volume, c] = volume_along(tetrahedron_faces, x, along);
-    EXPECT_NEAR(volume, enclosed_volume(tetrahedron_faces, x), 1e-13);
+    const auto c = volume_along(tetrahedron_faces, x, along);
     const double s = 3.0 * uniform(bits);
     for (int i = 0; i < 4; ++i) there[i] = x[i] + s * along[i];
     const double grown = enclosed_volume(tetrahedron_faces, there) - enclosed_volume(tetrahedron_faces, x);

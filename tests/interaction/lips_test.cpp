@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "interaction/contact_surface.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
+#include "support/removable_body.h"
 
 namespace phymul {
 namespace {
@@ -212,6 +214,25 @@ TEST_P(LipsOn, MoveAsOnTheReference) {
 }
 
 PHYMUL_ON_EVERY_BACKEND(LipsOn);
+
+/// Pieces between two planes that cross are as they were at rest, however sharp they are.
+TEST(Lips, CrossingCutsStayAtRest) {
+  for (const unsigned seed : {1u, 3u}) {
+    std::mt19937 bits(seed);
+    const auto any = [&] { return 2.0 * static_cast<double>(bits()) / 4294967296.0 - 1.0; };
+    for (int pair = 0; pair < 12; ++pair) {
+      Model model = with_material(slab(), {5e3, 0.4, 1000.0});
+      for (int plane = 0; plane < 2; ++plane) {
+        const double x = any(), y = any(), z = any(), a = any(), b = any(), c = any();
+        model = cut_body(model, cut_plane({0.03 + 0.015 * x, 0.02 + 0.01 * y, 0.015 + 0.005 * z}, {a, b, 0.5 * c}));
+      }
+      Simulation sim(model, {.backend = "cpu"});
+      sim.scene().contacts({});
+      ASSERT_TRUE(sim.advance(0.01).ok());
+      EXPECT_LT(sim.max_displacement(), 1e-12) << seed << ' ' << pair;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace phymul

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "interaction/contact_surface.h"
 #include "support/cut_walls.h"
 #include "support/message_of.h"
 
@@ -16,23 +17,72 @@ namespace {
 
 using namespace test;
 
-/// Pressure on a cut sheet pushes as much as on the whole one.
+/// Pressure on a cut surface pushes as much as on the whole one, and springs on it have the whole area.
 TEST(WallCutScene, PressureKeepsItsForce) {
-  Simulation sim(with_spare_particles(sheet(), 100), without_material("reference"));
-  Load load{.type = LoadType::pressure, .events = {{0.0, 100.0}}, .direction = {0, 0, 1}};
-  load.particles.resize(static_cast<std::size_t>(sim.model().particle_count()));
-  std::iota(load.particles.begin(), load.particles.end(), 0);
-  sim.scene().add(load);
-  const auto push = [&] {
-    LoadFrame frame;
-    sim.scene().prepare(frame);
-    sim.scene().evaluate(0.0, frame);
-    return sum(frame.force);
-  };
-  const Vec3 before = push();
-  EXPECT_NEAR(before.norm(), 100.0 * sheet_side * sheet_side, 1e-9);
-  ASSERT_TRUE(sim.cut(cut_plane({0.052, 0.0, 0.0}, {1.0, 0.2, 0.0})));
-  EXPECT_LT((push() - before).norm(), 1e-9);
+  const Model block =
+      with_material(make_tetrahedral_block({sheet_side, sheet_side, 0.02}, 8, 8, 2, 0.2, 3), {5e3, 0.4, 1000.0});
+  const auto below = [](const Vec3& x) { return x.z() < 1e-9; };
+  for (const Model& body : {sheet(), block}) {
+    Simulation sim(with_spare_particles(body, 300), without_material("reference"));
+    Load load{.type = LoadType::pressure, .events = {{0.0, 100.0}}, .direction = {0, 0, 1}};
+    load.particles = body.particles_in(below);
+    sim.scene().add(load);
+    const auto push = [&] {
+      LoadFrame frame;
+      sim.scene().prepare(frame);
+      sim.scene().evaluate(0.0, frame);
+      return sum(frame.force);
+    };
+    const Snapshot whole = sim.snapshot();
+    const Vec3 before = push();
+    EXPECT_NEAR(before.norm(), 100.0 * sheet_side * sheet_side, 1e-9);
+    CutSurface cut = cut_plane({0.052, 0.0, 0.0}, {1.0, 0.2, 0.0});
+    ASSERT_TRUE(sim.cut(cut));
+    EXPECT_LT((push() - before).norm(), 1e-9);
+    cut = cut_plane({0.0, 0.03, 0.0}, {0.1, 1.0, 0.0});
+    cut.front = [](const Vec3& x) { return 0.07 - x.x(); };
+    ASSERT_TRUE(sim.cut(cut));
+    EXPECT_LT((push() - before).norm(), 1e-9);
+    sim.scene().attach(sim.model().particles_in(below), World{}, {.stiffness = 1e6});
+    double area = 0.0;
+    for (const JointSpring& spring : sim.scene().joints().back().joint.springs) area += spring.share;
+    EXPECT_NEAR(area, sheet_side * sheet_side, 1e-12);
+    sim.restore(whole);
+    EXPECT_EQ(sim.scene().loads().back().particles, body.particles_in(below));
+    EXPECT_LT((push() - before).norm(), 1e-9);
+  }
+}
+
+/// A fin on a body is touched from both sides, whole and cut.
+TEST(WallCutScene, AFinOnABodyIsTouched) {
+  for (const bool is_cut : {false, true}) {
+    for (const double side : {-1.0, 1.0}) {
+      Simulation sim(with_spare_particles(block_with_fin(), 60), without_material("cpu"));
+      sim.scene().fix(sim.model().particles_in([](const Vec3& x) { return x.z() < 1e-9; }));
+      if (is_cut) {
+        ASSERT_TRUE(sim.cut(cut_plane({0.022, 0.0, 0.0}, {1.0, 0.0, 0.1})));
+      }
+      const ContactSurface surface = make_contact_surface(sim.model());
+      for (const ContactSurface::Triangle& triangle : surface.triangles) {
+        const auto is_of_fin = [&](Index corner) { return surface.rest[corner].z() > 0.02 - 1e-9; };
+        const auto is_high = [&](Index corner) { return surface.rest[corner].z() > 0.02 + 1e-9; };
+        const bool fin =
+            std::ranges::all_of(triangle.corner, is_of_fin) && std::ranges::any_of(triangle.corner, is_high);
+        EXPECT_EQ(triangle.has_inside, !fin);
+      }
+      constexpr double radius = 4e-3;
+      ToolPose pose{.position = {0.012, 0.01 + side * (radius + 1e-3), 0.026}};
+      Tool ball{.shape = Sphere{radius}, .pose = pose};
+      ball.contact = ToolContact::surface;
+      const ToolHandle tool = sim.scene().add_tool("ball", ball);
+      for (int tick = 0; tick < 40; ++tick) {
+        pose.position.y() -= side * 5e-5;
+        tool.move_to(pose);
+        ASSERT_TRUE(sim.advance(1e-3).ok());
+      }
+      EXPECT_GT(side * sim.force_on(tool).mean_force.y(), 0.0);
+    }
+  }
 }
 
 TEST(WallCutScene, OpensABag) {
@@ -175,6 +225,27 @@ TEST(WallCutScene, ACapsuleOnHexahedraIsLeft) {
   }
   EXPECT_GT(uncut, 0);
   EXPECT_TRUE(sim.cuts().empty());
+}
+
+/// What walls do not have is refused while they are removed, too: they may come back.
+TEST(WallCutScene, RemovedWallsAreRefusedAsOthersAre) {
+  Simulation sim(block_with_fin(), without_material("cpu"));
+  const auto cells = static_cast<Index>(sim.model().cells.size());
+  std::vector<Index> fin;
+  for (Index row = 0; row < cells; ++row) {
+    if (sim.model().cells[row].type == CellType::triangle) fin.push_back(row);
+  }
+  sim.remove_cells(fin);
+  EXPECT_TRUE(says(message_of([&] { sim.scene().scale_stiffness(2.0); }), "without walls"));
+  EXPECT_TRUE(says(message_of([&] { sim.scene().tear({.toughness = 1.0}); }), "without walls"));
+}
+
+TEST(WallCutScene, WrongCutsAreRefused) {
+  Model cut = cut_body(with_material(slab(), {5e3, 0.4, 1000.0}), cut_plane({0.031, 0.0, 0.0}, {1.0, 0.2, 0.1}));
+  EXPECT_TRUE(says(message_of([&] { add_capsule(cut, film); }), "without cuts"));
+  CutSurface nowhere = cut_plane({0.05, 0.0, 0.0}, {1.0, 0.0, 0.0});
+  nowhere.front = [](const Vec3&) { return std::nan(""); };
+  EXPECT_TRUE(says(message_of([&] { cut_body(sheet(), nowhere); }), "distances to the front"));
 }
 
 TEST(WallCutScene, RestOfASlitSheet) {
