@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "fluid_push.h"
 
@@ -61,14 +60,6 @@ void KeptVolumes::follow(const Scene& scene) {
     }
   }
   surfaces_ = std::move(now);
-  for (Surface& surface : surfaces_) {
-    surface.shares = std::ranges::any_of(surfaces_, [&](const Surface& other) {
-      std::vector<Index> both;
-      if (&other != &surface)
-        std::ranges::set_intersection(surface.particles, other.particles, std::back_inserter(both));
-      return !both.empty();
-    });
-  }
 }
 
 void KeptVolumes::reset(const Scene& scene, const State& state) {
@@ -124,10 +115,7 @@ void KeptVolumes::accept() {
 }
 
 bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
-  // Copies of all particles would take longer than all else here.
-  if (surface.shares) {
-    for (const Index particle : surface.particles) touched.slot(particle);
-  }
+  // Without copies of the particles, which would take longer than all else here. No other surface has them.
   touched.fetch(surface.particles, surface.start, surface.end);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     surface.end[k] = surface.start[k] + touched.dt() * surface.end[k];
@@ -138,9 +126,9 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
     const Index particle = surface.particles[k];
     const auto* copy = touched.find(particle);
     if (copy != nullptr) surface.gradient[k] = past_friction(surface.gradient[k], copy->rubbed);
+    surface.gradient[k] = free_part(surface.gradient[k], touched.fixed(particle));
     const bool held = copy != nullptr && copy->held;
-    surface.along[k] = held ? Vec3(Vec3::Zero())
-                            : free_part(touched.inverse_mass(particle) * surface.gradient[k], touched.fixed(particle));
+    surface.along[k] = held ? Vec3(Vec3::Zero()) : Vec3(touched.inverse_mass(particle) * surface.gradient[k]);
   }
   FluidPush push{.fluid = surface.law, .volume = surface.now.volume, .dt = touched.dt()};
   if (push.has_law()) {
@@ -171,7 +159,7 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
     const Vec3 impulse = *s / touched.dt() * surface.gradient[k];
     auto* copy = touched.find(surface.particles[k]);
     if (copy == nullptr) {
-      touched.push_last(surface.particles[k], impulse);
+      if (impulse != Vec3::Zero()) touched.push_last(surface.particles[k], impulse);
     } else if (!copy->held) {
       TouchedParticles::push(*copy, impulse);
     }

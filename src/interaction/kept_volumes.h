@@ -35,7 +35,6 @@ class KeptVolumes {
     std::vector<Index> particles;
     std::vector<std::array<Index, 3>> triangles;  // rows of `particles`
     bool open = false;                            // not kept
-    bool shares = false;                          // particles, with another surface
     VecList start, end, gradient, along;          // [particles]
     Fluid law;
     FluidState now, next;

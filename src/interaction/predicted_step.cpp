@@ -49,11 +49,6 @@ std::size_t TouchedParticles::slot(Index particle) {
   return static_cast<std::size_t>(slot);
 }
 
-void TouchedParticles::push_last(Index particle, const Vec3& impulse) {
-  const Vec3 taken = free_part(impulse, fixed(particle));
-  if (taken != Vec3::Zero()) step_->add_force(particle, taken / dt_);
-}
-
 void TouchedParticles::fetch(std::span<const Index> rows, VecList& position, VecList& velocity) const {
   step_->fetch(rows, position, velocity);
   if (touched_.empty()) return;

@@ -116,9 +116,9 @@ class TouchedParticles {
   std::uint8_t fixed(Index particle) const {
     return static_cast<std::uint8_t>((fixed_.empty() ? 0 : fixed_[particle]) | (plane_ ? 4 : 0));
   }
-  /// What of an impulse the free coordinates take, to a particle without a copy, which nothing asks for or pushes
-  /// later in this step.
-  void push_last(Index particle, const Vec3& impulse);
+  /// An impulse along free coordinates, on a particle without a copy, which nothing asks for or pushes later in this
+  /// step.
+  void push_last(Index particle, const Vec3& impulse) { step_->add_force(particle, impulse / dt_); }
 
   /// Adds what of an impulse the free coordinates take, and returns that. Here, because needles and contacts call it
   /// thousands of times a step.
