@@ -222,15 +222,16 @@ ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer)
     for (Facet& facet : find(chosen)) facets[body_of[facet.particles[0]]].push_back(std::move(facet));
   };
   add_facets(true, [&](std::span<const char> chosen) { return facets_of_cells(model, chosen, outer); });
+  std::vector<Index> walls;
+  if (std::ranges::any_of(kind, &Kind::solid)) walls = walls_beside_cells(model, outer);
   std::vector<std::size_t> solid;
   for (Index body = 0; body < rows.count; ++body) solid.push_back(kind[body].solid ? facets[body].size() : 0);
-  add_facets(true, [&](std::span<const char> chosen) { return facets_of_walls(model, chosen, outer); });
+  add_facets(true, [&](std::span<const char> chosen) { return facets_of_walls(model, chosen, walls); });
   add_facets(false, [&](std::span<const char> chosen) { return explicit_facets(model, chosen); });
   TissueSurface tissue;
   if (std::ranges::any_of(kind, &Kind::cut)) tissue = tissue_surface_of(model, outer);
   const VecList place = tissue.at(model.rest);
-  const bool walls_beside = std::ranges::any_of(kind, [](const Kind& own) { return own.solid && own.cut; });
-  SurfaceBuilder builder(model, surface, walls_beside ? walls_beside_cells(model, outer) : std::vector<Index>{});
+  SurfaceBuilder builder(model, surface, walls);
   for (Index body = 0; body < rows.count; ++body) {
     if (kind[body].cut) {
       builder.add_tissue(tissue, place, body, kind[body].solid);

@@ -9,6 +9,11 @@
 
 namespace phymul {
 
+inline bool is_finite(const ToolPose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.velocity.allFinite() &&
+         pose.spin.allFinite();
+}
+
 inline Vector3<double> unpacked(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
 }

@@ -41,11 +41,6 @@ Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolF
   return region;
 }
 
-bool is_finite(const ToolPose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.velocity.allFinite() &&
-         pose.spin.allFinite();
-}
-
 }  // namespace
 
 ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {

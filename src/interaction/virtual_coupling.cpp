@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/decimal.h"
+#include "tool_frame.h"
 
 namespace phymul {
 namespace {
@@ -28,8 +29,7 @@ Vec3 turn_between(const Quaternion& from, const Quaternion& to) {
 }
 
 bool is_pose(const ToolPose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.orientation.norm() > 0.0 &&
-         pose.velocity.allFinite() && pose.spin.allFinite();
+  return is_finite(pose) && pose.orientation.norm() > 0.0;
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ std::vector<Facet> surface_facets(const Model& model, std::span<const char> chos
   if (!is_made_of_cells(model)) return explicit_facets(model, chosen);
   const OuterFaces outer(model);
   std::vector<Facet> facets = facets_of_cells(model, chosen, outer);
-  std::ranges::move(facets_of_walls(model, chosen, outer), std::back_inserter(facets));
+  std::ranges::move(facets_of_walls(model, chosen, walls_beside_cells(model, outer)), std::back_inserter(facets));
   return facets;
 }
 
@@ -85,9 +85,9 @@ std::vector<Index> walls_beside_cells(const Model& model, const OuterFaces& oute
   return rows;
 }
 
-std::vector<Facet> facets_of_walls(const Model& model, std::span<const char> chosen, const OuterFaces& outer) {
+std::vector<Facet> facets_of_walls(const Model& model, std::span<const char> chosen, std::span<const Index> walls) {
   std::vector<Facet> facets;
-  for (const Index row : walls_beside_cells(model, outer)) {
+  for (const Index row : walls) {
     const Cell& cell = model.cells[row];
     const std::array<Index, 4> ring{cell.particles[0], cell.particles[1], cell.particles[2], -1};
     if (!all_chosen(ring, chosen)) continue;

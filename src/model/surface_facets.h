@@ -22,10 +22,10 @@ struct Facet {
 /// volume cell has, and the walls beside them, as they are wound; in a model without volume cells its triangles and
 /// quads. In 2-D: the edges of exactly one triangle or quad, else the lines.
 std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen);
-/// Of them those of volume cells (2-D: of triangles and quads), `outer` of the model, those of walls beside them, and
-/// in a model without volume cells those that are cells themselves.
+/// Of them those of volume cells (2-D: of triangles and quads), `outer` of the model, those of walls_beside_cells(),
+/// and in a model without volume cells those that are cells themselves.
 std::vector<Facet> facets_of_cells(const Model& model, std::span<const char> chosen, const OuterFaces& outer);
-std::vector<Facet> facets_of_walls(const Model& model, std::span<const char> chosen, const OuterFaces& outer);
+std::vector<Facet> facets_of_walls(const Model& model, std::span<const char> chosen, std::span<const Index> walls);
 std::vector<Facet> explicit_facets(const Model& model, std::span<const char> chosen);
 /// Rows of the triangles of walls that are on no outer face, as a capsule is; ascending.
 std::vector<Index> walls_beside_cells(const Model& model, const OuterFaces& outer);

@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 #include <phymul/elasticity.h>
 
+#include <algorithm>
+#include <string_view>
+
 #include "support/cpu_forces.h"
 #include "support/failure_states.h"
 #include "support/wall_cases.h"
@@ -149,6 +152,9 @@ TEST(CpuWalls, ComesBackFromBrokenStates) {
       wall_of(grid_surface(n, n, 0.2, [](double u, double v) { return Vec3(side * u, side * v, 0.5 * side); }), 10e3,
               0.4, 3e-3);
   const Scene scene(model);
+  // From the last of them chance decides: it returned by 4 to 6 of 12 seeds.
+  constexpr std::string_view folding[] = {"line, noise",     "point, noise", "random",     "random, 3x",
+                                          "pulled 10 sides", "swapped",      "noise 0.8 h"};
   int back = 0;
   for (const FailureState& failure : failure_states()) {
     std::mt19937 bits(11);
@@ -164,10 +170,12 @@ TEST(CpuWalls, ComesBackFromBrokenStates) {
       worst = std::max(worst, std::abs(now - rest));
     }
     EXPECT_TRUE(std::isfinite(worst)) << failure.name;
-    if (worst < 0.02 * side) ++back;
-    if (!(worst < 0.02 * side)) std::printf("not back from \"%s\": %.2f sides off\n", failure.name, worst / side);
+    const bool returns = worst < 0.02 * side;
+    const bool may_fold = std::ranges::find(folding, std::string_view(failure.name)) != std::end(folding);
+    EXPECT_TRUE(returns || may_fold) << failure.name << ": " << worst / side << " sides off";
+    back += returns ? 1 : 0;
   }
-  EXPECT_GE(back, 7);
+  EXPECT_GE(back, static_cast<int>(failure_states().size() - std::size(folding)));
 }
 
 }  // namespace

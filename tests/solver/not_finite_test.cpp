@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 
+#include "interaction/tool_frame.h"
 #include "support/tool_backends.h"
 
 namespace phymul::test {
@@ -26,10 +27,6 @@ bool all_finite(const VecList& list) {
 bool all_finite(const std::vector<double>& list) {
   return std::ranges::all_of(list, [](double x) { return std::isfinite(x); });
 }
-bool pose_is_finite(const ToolPose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.velocity.allFinite() &&
-         pose.spin.allFinite();
-}
 
 /// What a user can read of a solver.
 void expect_finite(const Solver& solver, const Scene& scene) {
@@ -41,7 +38,7 @@ void expect_finite(const Solver& solver, const Scene& scene) {
         << thread.name;
   }
   for (const ToolState& tool : state.tools) {
-    EXPECT_TRUE(pose_is_finite(tool.pose) && all_finite(tool.held_at)) << tool.name;
+    EXPECT_TRUE(is_finite(tool.pose) && all_finite(tool.held_at)) << tool.name;
     const ToolForce& force = solver.tool_force(tool.name);
     EXPECT_TRUE(force.force.allFinite() && force.torque.allFinite()) << tool.name;
     EXPECT_TRUE(force.mean_force.allFinite() && force.mean_torque.allFinite()) << tool.name;
