@@ -113,7 +113,9 @@ phymul_status phymul_tool_add(phymul_simulation* sim, const phymul_tool_options*
                                .friction = from.friction,
                                .compliance = from.compliance,
                                .margin = from.margin,
-                               .contact = static_cast<ToolContact>(from.contact)})
+                               .contact = static_cast<ToolContact>(from.contact),
+                               .suction = from.suction,
+                               .suction_reach = from.suction_reach})
                 .id();
   });
 }

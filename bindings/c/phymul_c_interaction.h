@@ -65,6 +65,8 @@ typedef struct phymul_tool_options {
   double bow;                   // m
   double height;                // m, of its sides
   double side_friction;         // N/m^2
+  double suction;               // N
+  double suction_reach;         // m
 } phymul_tool_options;
 
 typedef struct phymul_tool_force {  // of the particles on the tool
@@ -194,6 +196,8 @@ typedef struct phymul_thread {  // Thread: include/phymul/thread.h
   double breaking_force;     // N; 0: never
   double passage_limit;      // N; 0: never
   double throw_holding;      // N; 0: 1
+  int32_t touches;           // 1: a free thread lies on tools and tissue
+  int32_t unused;
 } phymul_thread;
 
 typedef struct phymul_clip {  // Clip: include/phymul/thread.h
@@ -232,6 +236,7 @@ typedef struct phymul_thread_state {  // ThreadState; the arrays are valid until
   const int32_t* rows;         // [passages], as phymul_thread_tie has them
   const int32_t* slides;       // [passages] 0: sticks; 1 or -1: slides toward the last or first tip
   const phymul_knot* knots;    // [knot_count]
+  const double* touch;         // [points][3] N, that what it lies on pushes it with; NULL: it lies on nothing
 } phymul_thread_state;
 
 enum { PHYMUL_FIRST = 0, PHYMUL_LAST = 1 };  // ThreadTip

@@ -51,7 +51,9 @@ template <class Add>
 phymul_status add_thread(phymul_simulation* sim, const phymul_thread* constants, uint64_t* thread, Add&& add) {
   return guarded([&] {
     need(thread, "a place for the thread");
-    *thread = add(scene_of(sim), constants_of(constants, thread_constants, "constants of a thread")).id();
+    Thread own = constants_of(constants, thread_constants, "constants of a thread");
+    own.touches = constants != nullptr && options_of(constants, "constants of a thread").touches != 0;
+    *thread = add(scene_of(sim), own).id();
   });
 }
 
@@ -173,6 +175,7 @@ phymul_status phymul_thread_read(phymul_simulation* sim, uint64_t thread, phymul
     result.rows = now.passages.data();
     result.slides = sim->slides.data();
     result.knots = sim->knots.data();
+    result.touch = now.touch.empty() ? nullptr : doubles(now.touch);
     place.fill(result);
   });
 }

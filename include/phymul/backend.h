@@ -219,12 +219,12 @@ class SolverBackend : public Solver {
   std::unique_ptr<Profile> profile_;
   std::unique_ptr<JointSet> joints_;
   std::unique_ptr<StiffJoints> stiff_joints_;
-  int steps_a_slice_ = 1;                     // between two looks at the clock, if progress is asked for
-  Spectrum own_spectrum_;                     // of the model's own stiffness
-  std::size_t edits_seen_ = 0;                // TopologyTextures::edits
-  std::size_t domains_seen_ = 0;              // of TopologyTextures::edited
-  std::size_t copies_seen_ = 0;               // of TopologyTextures::copied
-  double largest_before_edits_ = 0.0;         // own_spectrum_.largest
+  int steps_a_slice_ = 1;                             // between two looks at the clock, if progress is asked for
+  Spectrum own_spectrum_;                             // of the model's own stiffness
+  std::size_t edits_seen_ = 0;                        // TopologyTextures::edits
+  std::size_t domains_seen_ = 0;                      // of TopologyTextures::edited
+  std::size_t copies_seen_ = 0, exchanged_seen_ = 0;  // of TopologyTextures::copied, exchanged
+  double largest_before_edits_ = 0.0;                 // own_spectrum_.largest
   double stiffness_ = 0.0, viscosity_ = 0.0;  // bounds of it and of its dissipation, over the masses: 1/s^2, 1/s
   std::unique_ptr<ScaledTables> scaled_;
   std::unique_ptr<const LocalSteps> local_steps_;

@@ -70,6 +70,10 @@ struct Tool {
   double margin = 0.0;
   /// Must be `particles` for a Needle, which finds the surface's triangles itself, and for a Blade.
   ToolContact contact = ToolContact::particles;
+  /// N, >= 0: what draws tissue toward the shape. Particles within `suction_reach`, m, > 0, of its surface share it by
+  /// mass, with weights that fall from 1 at the surface to 0 at the reach, so that their sum is at most `suction`. 0
+  /// for a Needle and a Blade.
+  double suction = 0.0, suction_reach = 0.0;
 };
 
 /// Smallest Tool::margin, m, with which no tool of this shape passes between the particles of the model's surface

@@ -194,6 +194,13 @@ struct TopologyTextures {
   std::size_t edits = 0;                     ///< number of changes, those of `edited` and of walls and their masses
   BodyCuts cuts;                             ///< those made and not undone, in order (Simulation::cut)
   std::vector<std::array<Index, 2>> copied;  ///< of all cuts made: a copy, and the particle that it copies
+  /// Of all edits, in order: a particle whose mass changed in exchange with copies at its place. `family`: the particle
+  /// that all of these are copies of. `before`: kg.
+  struct Exchanged {
+    Index particle = 0, family = 0;
+    double before = 0.0;
+  };
+  std::vector<Exchanged> exchanged;
   double stiffened = 1.0;              ///< a bound, >= 1, of the factor by which that raised the largest eigenvalue
   std::optional<std::uint64_t> built;  ///< fingerprint() before the first edit
 

@@ -61,20 +61,20 @@ void BodyContacts::follow(const Scene& scene, FollowedSurface& surface) {
   }
   surface_.reset();  // of no use half made
   candidates_.follow(*now, options_);
-  surface_ = now;
-  find_rows();
+  find_rows(*now);
   place_.resize(now->particles.size());
   velocity_.resize(now->particles.size());
+  surface_ = now;
 }
 
-void BodyContacts::find_rows() {
+void BodyContacts::find_rows(const ContactSurface& surface) {
   rows_.clear();
   means_.clear();
-  for (const ContactSurface::Particle& particle : surface_->particles) rows_.push_back(particle.row);
+  for (const ContactSurface::Particle& particle : surface.particles) rows_.push_back(particle.row);
   if (std::ranges::find(rows_, -1) == rows_.end()) return;
   rows_.clear();
   std::map<Index, Index> known;
-  for (const ContactSurface::Particle& particle : surface_->particles) {
+  for (const ContactSurface::Particle& particle : surface.particles) {
     auto& of = means_.emplace_back(particle.at.particles);
     for (Index& row : of) {
       if (row < 0) continue;

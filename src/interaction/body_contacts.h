@@ -61,7 +61,7 @@ class BodyContacts {
     bool inside = false;
   };
 
-  void find_rows();
+  void find_rows(const ContactSurface& surface);
   void fetch(const TouchedParticles& touched);
   void find(TouchedParticles& touched);
   void share_out(Contact& contact, TouchedParticles& touched);

@@ -41,16 +41,41 @@ Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolF
   return region;
 }
 
+/// Tool::suction. `found`: room.
+void draw(const Tool& tool, const ShapeIn<double>& shape, const Region& bounds, const ToolFrame& frame,
+          TouchedParticles& touched, std::vector<Index>& found, ToolForce& force) {
+  found.clear();
+  touched.step().find(swept_bounds(shape, bounds, frame, frame, tool.suction_reach), found);
+  std::ranges::sort(found);
+  const auto mass_within = [&](const Distance<double>& at, Index i) {
+    return at.phi < tool.suction_reach ? touched.mass()[i] : 0.0;
+  };
+  const auto distance = [&](Index i) {
+    return distance_to(shape, unpacked(frame.inside(touched[touched.slot(i)].position)));
+  };
+  double mass = 0.0;  // kg
+  for (const Index i : found) mass += mass_within(distance(i), i);
+  const int pressed = force.particles;
+  for (const Index i : found) {
+    const Distance<double> at = distance(i);
+    const double own = mass_within(at, i) * (1.0 - std::max(at.phi, 0.0) / tool.suction_reach);
+    TouchedParticles::Touched& particle = touched[touched.slot(i)];
+    if (!(own > 0.0) || particle.held) continue;
+    const Vec3 impulse = -touched.dt() * tool.suction * own / mass * (frame.turn * packed(at.normal));
+    react(force, frame, particle.position, TouchedParticles::push(particle, impulse), touched.dt());
+  }
+  force.particles = pressed;
+}
+
 }  // namespace
 
 ToolSet::Moving ToolSet::made(const SceneTool& tool, const Scene& scene) {
   const ToolExtent extent = extent_of(tool.tool);
   Moving moving{.moved = MovedTool(tool),
                 .shape = shape_of(tool.tool),
+                .tool = tool.tool,
                 .law = {.friction = tool.tool.friction, .compliance = tool.tool.compliance},
                 .bounds = {.low = extent.low, .high = extent.high}};
-  const auto* grid = std::get_if<std::shared_ptr<const DistanceGrid>>(&tool.tool.shape);
-  if (grid) moving.grid = *grid;
   const auto* needle = std::get_if<Needle>(&tool.tool.shape);
   if (needle) moving.needle.emplace(*needle, tool.tool.friction, scene.model());
   const auto* blade = std::get_if<Blade>(&tool.tool.shape);
@@ -77,7 +102,7 @@ void ToolSet::follow(const Scene& scene) {
   }
   tools_ = std::move(now);
   for (Moving& tool : tools_) tool.pull = {};
-  threads_.follow(scene);
+  threads_.follow(scene, surface_);
   if (body_version_ != scene.body_version()) follow_body(scene);
 }
 
@@ -221,8 +246,8 @@ bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<b
       if (!is_finite(motion.next_pose)) return true;  // such a step is looked at by itself
       const Region region = swept_bounds(tool.shape, tool.bounds, ToolFrame(motion.pose), ToolFrame(motion.next_pose),
                                          tool.blade                    ? tool.blade->reach()
-                                         : tool.needle || tool.surface ? wide
-                                                                       : 0.0);
+                                         : tool.needle || tool.surface ? std::max(wide, tool.tool.suction_reach)
+                                                                       : tool.tool.suction_reach);
       all.low = all.low.cwiseMin(region.low);
       all.high = all.high.cwiseMax(region.high);
       motion.accept();
@@ -272,18 +297,31 @@ void ToolSet::act(TouchedParticles& touched) {
     if (tool.blade) tool.blade->act(touched, motion.pose, motion.next_pose, tool.next_force);
   }
   for (Moving& tool : tools_) {
+    if (tool.tool.suction == 0.0) continue;
+    const ToolFrame end(tool.moved.motion.next_pose);
+    draw(tool.tool, tool.shape, tool.bounds, end, touched, found_, tool.next_force);
+  }
+  for (Moving& tool : tools_) {
     if (!tool.needle && !tool.blade) press(tool, touched);
   }
   if (!threads_.empty()) act_by_threads(touched);
 }
 
 void ToolSet::act_by_threads(TouchedParticles& touched) {
-  threads_.act(touched, [this](std::string_view name) {
+  std::vector<ThreadSupport> supports;
+  for (Moving& tool : tools_) {
+    if (tool.needle || tool.blade || !threads_.any_touches()) continue;
+    const ToolMotion& motion = tool.moved.motion;
+    supports.push_back(
+        {tool.moved.name, &tool.shape, ToolFrame(motion.pose), ToolFrame(motion.next_pose), &tool.next_force});
+  }
+  const auto find_tool = [this](std::string_view name) {
     Moving& tool =
         *std::ranges::find(tools_, name, [](const Moving& moving) { return std::string_view(moving.moved.name); });
     return ThreadSet::AtTool{&tool.moved.motion.pose, &tool.moved.motion.next_pose, &tool.next_force,
                              tool.needle && tool.needle->state().free};
-  });
+  };
+  threads_.act(touched, find_tool, supports);
   for (Moving& tool : tools_) {
     const ToolFrame end(tool.moved.motion.next_pose);
     const int particles = tool.next_force.particles;

@@ -66,7 +66,7 @@ class ToolSet {
   struct Moving {
     MovedTool moved;
     ShapeIn<double> shape;
-    std::shared_ptr<const DistanceGrid> grid{};  // keeps what shape points to
+    Tool tool;  // keeps what shape points to
     ContactLaw<double> law;
     Region bounds;  // of the shape in its own frame
     std::optional<NeedlePath> needle{};

@@ -126,6 +126,12 @@ Vec3 BladeCurve::unrolled(const Vec3& x) const {
   return unrolled;
 }
 
+std::string_view beyond_pressing(const Tool& tool) {
+  if (std::holds_alternative<Needle>(tool.shape)) return "is a needle";
+  if (std::holds_alternative<Blade>(tool.shape)) return "is a blade";
+  return tool.suction > 0.0 ? "draws tissue" : "";
+}
+
 ToolExtent extent_of(const Tool& tool) {
   ToolExtent own = std::visit([](const auto& shape) { return extent(shape); }, tool.shape);
   own.thickness += tool.margin;

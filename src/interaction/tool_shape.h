@@ -7,6 +7,7 @@
 #include <phymul/tool.h>
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "distance_to_shape.h"
@@ -21,6 +22,9 @@ struct ToolExtent {
 };
 
 ToolExtent extent_of(const Tool& tool);
+
+/// What makes a tool more than a shape that pushes particles out or holds them: "is a needle". Empty: nothing.
+std::string_view beyond_pressing(const Tool& tool);
 
 /// The edge of a blade in the tool's frame. `along`: m, along the edge as seen along z, from its middle.
 class BladeCurve {

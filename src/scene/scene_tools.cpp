@@ -127,6 +127,12 @@ ToolHandle Scene::add_tool(std::string name, Tool tool) & {
   require_not_negative(label(name), "friction", tool.friction);
   require_not_negative(label(name), "compliance (m/N)", tool.compliance);
   require_not_negative(label(name), "margin (m)", tool.margin);
+  require_not_negative(label(name), "suction (N)", tool.suction);
+  if (tool.suction > 0.0) require_size(name, "suction reach", tool.suction_reach);
+  const bool pierces = std::holds_alternative<Needle>(tool.shape) || std::holds_alternative<Blade>(tool.shape);
+  if (pierces && tool.suction > 0.0) {
+    throw Error(label(name) + "expected a suction of 0 N for a needle or a blade, got " + to_decimal(tool.suction));
+  }
   if (const auto* const needle = std::get_if<Needle>(&tool.shape)) {
     if (tool.contact != ToolContact::particles) {
       throw Error(label(name) + "expected ToolContact::particles, got surface: a needle finds the surface by itself");

@@ -102,7 +102,8 @@ bool Simulation::Parts::is_at_start() {
   const Snapshot now = solver().snapshot();
   const State& taken = started->taken;
   return now.last_dt == 0.0 && now.state.time == taken.time && now.state.position == taken.position &&
-         now.state.velocity == taken.velocity && now.state.joints == taken.joints;
+         now.state.velocity == taken.velocity && now.state.joints == taken.joints &&
+         now.state.threads == taken.threads && now.state.fluids == taken.fluids;
 }
 
 void Simulation::Parts::start(const State& state) {
@@ -142,14 +143,15 @@ void Simulation::Parts::bring_back(const Snapshot& snapshot) {
 
 void Simulation::Parts::begin(double dt) {
   solver();
-  if (!started) return;
+  if (!started || !(dt > 0.0) || !std::isfinite(dt)) return;
   // Solver::start() would undo what tools were told since.
   const bool converts = started->dt != dt && scene.tools().empty() && is_at_start();
   if (converts) {
     solver().start(started->wanted, dt);
+    started->taken = solver().read();
+    started->dt = dt;
     state_changed();
   }
-  started.reset();
 }
 
 void Simulation::Parts::state_changed() {
@@ -163,6 +165,7 @@ void Simulation::Parts::state_changed() {
 
 StepReport Simulation::Parts::step(int n, double dt) {
   StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
+  if (report.steps > 0) started.reset();
   if (report.ok()) cut_with_blades(report);
   if (report.ok()) tear(report);
   if (history) history->follow(solver(), report);
@@ -172,6 +175,7 @@ StepReport Simulation::Parts::step(int n, double dt) {
 RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
   RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
+  if (result.report.steps > 0) started.reset();
   if (result.report.ok()) cut_with_blades(result.report);
   if (result.report.ok()) tear(result.report);
   if (result.report.torn > 0 && result.converged()) {  // of what was whole

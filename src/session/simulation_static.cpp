@@ -12,6 +12,7 @@
 
 #include "base/decimal.h"
 #include "elastic/averaged_stiffness.h"
+#include "interaction/tool_shape.h"
 #include "simulation_parts.h"
 #include "statics/multigrid.h"
 #include "statics/rest_joints.h"
@@ -35,8 +36,8 @@ constexpr double unbalanced = 1e-8;
 /// A tool that stands still, slides without friction and is known by all its numbers.
 void require_supported(const SceneTool& tool, const Solver& solver) {
   const std::string name = "the tool \"" + tool.name + '"';
-  if (std::holds_alternative<Needle>(tool.tool.shape)) refuse(name + " is a needle");
-  if (std::holds_alternative<Blade>(tool.tool.shape)) refuse(name + " is a blade");
+  const std::string_view more = beyond_pressing(tool.tool);
+  if (!more.empty()) refuse(name + ' ' + std::string(more));
   if (tool.tool.friction > 0.0) refuse(name + " has friction, by which the rest shape depends on the way to it");
   if (tool.tool.compliance > 0.0 && tool.tool.contact == ToolContact::surface) {
     refuse(name + " has compliance and ToolContact::surface");

@@ -25,12 +25,13 @@ void small_field(ByteReader& in, std::int8_t& value, const char* what) {
 
 template <class Bytes, class Any>
 void constant_fields(Bytes& bytes, Any& thread) {
-  auto& [length, radius, young, bending, density, segment, damping, friction, channel, breaking, limit, throws] =
-      thread;
+  auto& [length, radius, young, bending, density, segment, damping, touches, friction, channel, breaking, limit,
+         throws] = thread;
   for (auto* value : {&length, &radius, &young, &bending, &density, &segment, &damping, &friction, &channel, &breaking,
                       &limit, &throws}) {
     bytes.field(*value, "a constant of a thread");
   }
+  bytes.field(touches, "whether a thread touches");
 }
 
 template <class Bytes, class Any>
@@ -90,6 +91,7 @@ void state_fields_of_thread(Bytes& bytes, Any& state) {
   });
   for (auto& anchored : state.anchored) bytes.field(anchored, "whether a tail is anchored");
   for (auto& force : state.force) bytes.field(force, "a force");
+  vectors(state.touch, "forces on a thread");
   bytes.field(state.torn, "a number of passages");
   bytes.field(state.pulled_out, "a number of passages");
 }
@@ -102,7 +104,7 @@ void put_threads(ByteWriter& out, const std::vector<SceneThread>& threads) {
 
 std::vector<SceneThread> take_threads(ByteReader& in) {
   std::vector<SceneThread> threads;
-  in.list(threads, 244, "a number of threads", [&](SceneThread& thread) { thread_fields(in, thread); });
+  in.list(threads, 245, "a number of threads", [&](SceneThread& thread) { thread_fields(in, thread); });
   return threads;
 }
 
@@ -140,7 +142,7 @@ void put_thread_states(ByteWriter& out, const std::vector<ThreadState>& threads)
 
 std::vector<ThreadState> take_thread_states(ByteReader& in) {
   std::vector<ThreadState> threads;
-  in.list(threads, 126, "a number of threads", [&](ThreadState& state) { state_fields_of_thread(in, state); });
+  in.list(threads, 134, "a number of threads", [&](ThreadState& state) { state_fields_of_thread(in, state); });
   return threads;
 }
 

@@ -115,7 +115,13 @@ void law_fields(Bytes& bytes, Any& tool) {
   bytes.field(tool.friction, "a coefficient of friction");
   bytes.field(tool.compliance, "a compliance");
   bytes.field(tool.margin, "a margin");
-  code(bytes, tool.contact, "a tool's contact");
+}
+
+/// What files of tools without suction do not have.
+template <class Bytes, class Any>
+void suction_fields(Bytes& bytes, Any& tool) {
+  bytes.field(tool.suction, "a suction");
+  bytes.field(tool.suction_reach, "a suction reach");
 }
 
 template <class Bytes, class Node>
@@ -179,6 +185,9 @@ void tool_fields(ByteWriter& out, const Tool& tool) {
   if (is_arc) arc_fields(out, *needle);
   if (is_curved) curve_fields(out, *blade);
   law_fields(out, tool);
+  const bool draws = tool.suction > 0.0;
+  code(out, static_cast<ToolContact>(static_cast<int>(tool.contact) + (draws ? with_suction : 0)), "");
+  if (draws) suction_fields(out, tool);
 }
 
 void tool_fields(ByteReader& in, Tool& tool) {
@@ -186,6 +195,10 @@ void tool_fields(ByteReader& in, Tool& tool) {
   code(in, kind, "a tool's shape");
   tool.shape = take_shape(in, kind);
   law_fields(in, tool);
+  code(in, tool.contact, "a tool's contact");
+  if (static_cast<int>(tool.contact) < with_suction) return;
+  tool.contact = static_cast<ToolContact>(static_cast<int>(tool.contact) - with_suction);
+  suction_fields(in, tool);
 }
 
 void put_tool_state(ByteWriter& out, const ToolState& state) {

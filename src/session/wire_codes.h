@@ -28,8 +28,10 @@ inline constexpr auto curved_blade = static_cast<ShapeKind>(static_cast<int>(arc
 constexpr int codes_of(ShapeKind) {
   return static_cast<int>(curved_blade) + 1;
 }
+/// Of files alone, added to a ToolContact: of a tool with suction.
+inline constexpr int with_suction = static_cast<int>(ToolContact::surface) + 1;
 constexpr int codes_of(ToolContact) {
-  return static_cast<int>(ToolContact::surface) + 1;
+  return 2 * with_suction;
 }
 constexpr int codes_of(FluidLaw) {
   return static_cast<int>(FluidLaw::curve) + 1;

@@ -27,8 +27,8 @@ int next_slice(int steps, double seconds, double wanted) {
 }  // namespace
 
 SolverBackend::Motion SolverBackend::run(const StepPlan& plan, StepReport& report) {
-  // A tool goes its way evenly over the steps of one do_step(): slices would make it jump.
-  const bool in_slices = options_.progress && scene_->tools().empty();
+  // A tool, and what holds a thread, goes its way evenly over the steps of one do_step(): slices would make it jump.
+  const bool in_slices = options_.progress && scene_->tools().empty() && scene_->threads().empty();
   return in_slices ? run_with_progress(plan, report) : do_step(plan);
 }
 

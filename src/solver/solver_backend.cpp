@@ -51,7 +51,9 @@ constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_joints =
     "the scene has joints, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
-constexpr const char* no_threads = "the scene has threads, which this backend does not take; use \"cpu\"";
+constexpr const char* no_threads =
+    "the scene has threads, which this backend does not take; use \"cpu\" or "
+    "\"reference\"";
 constexpr const char* no_dissipation =
     "the body has a material with Material::retardation_time or relaxation_strength, which this backend does not take; "
     "use \"cpu\", \"gl-compute\" or \"reference\"";
@@ -89,7 +91,9 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
   edits_seen_ = topology_->edits;
   domains_seen_ = topology_->edited.size();
   copies_seen_ = topology_->copied.size();
-  largest_before_edits_ = own_spectrum_.largest / topology_->stiffened;
+  exchanged_seen_ = topology_->exchanged.size();
+  // What it was before the edits of a body that is edited already is not known.
+  largest_before_edits_ = topology_->edits == 0 ? own_spectrum_.largest : NAN;
   scene_->prepare(frame_);
   joints_->follow(*scene_);
   scene_version_ = scene_->version();

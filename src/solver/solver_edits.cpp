@@ -4,7 +4,11 @@
 #include <phymul/backend.h>
 #include <phymul/error.h>
 
+#include <algorithm>
+#include <cmath>
+#include <map>
 #include <span>
+#include <tuple>
 
 #include "elastic/dissipation.h"
 #include "elastic/local_steps.h"
@@ -15,6 +19,33 @@
 #include "profile.h"
 
 namespace phymul {
+namespace {
+
+/// Mass that went from copies to others of their family takes its momentum along. `mass`: kg, after it; m/s.
+void carry_momentum(std::span<const TopologyTextures::Exchanged> exchanged, std::span<const double> mass,
+                    VecList& velocity) {
+  std::map<Index, std::map<Index, double>> families;  // kg before, by particle
+  for (const auto& [particle, family, before] : exchanged) families[family].try_emplace(particle, before);
+  for (const auto& [first, members] : families) {
+    double given = 0.0, taken = 0.0;  // kg
+    Vec3 momentum = Vec3::Zero();     // of what was given, N s
+    bool moves_as_one = true;
+    for (const auto& [i, before] : members) {
+      (mass[i] < before ? given : taken) += std::abs(mass[i] - before);
+      if (mass[i] < before) momentum += (before - mass[i]) * velocity[i];
+      moves_as_one = moves_as_one && velocity[i] == velocity[members.begin()->first];
+    }
+    if (moves_as_one || given == 0.0 || taken == 0.0) continue;
+    const Vec3 mean = momentum / given;
+    const double share = std::min(given / taken, 1.0);  // of what was taken: the rest is tissue brought back
+    for (const auto& [i, before] : members) {
+      const double more = share * (mass[i] - before);
+      if (more > 0.0) velocity[i] += more / mass[i] * (mean - velocity[i]);
+    }
+  }
+}
+
+}  // namespace
 
 Snapshot SolverBackend::snapshot() const {
   Snapshot snapshot = snapshot_without_hash();
@@ -42,7 +73,12 @@ void SolverBackend::body_changed() {
                 "the body of a solver with SolverOptions::max_substeps above 1 cannot be changed: its fine parts are "
                 "chosen once; set it to 1");
   }
-  own_spectrum_.largest = largest_before_edits_ * topology_->stiffened;
+  const auto before = std::tuple(own_spectrum_, stiffness_, viscosity_);
+  if (std::isnan(largest_before_edits_)) {
+    own_spectrum_ = estimate_spectrum(*topology_, topology_->rest);
+  } else {
+    own_spectrum_.largest = largest_before_edits_ * topology_->stiffened;
+  }
   take_spectrum();
   topology_hash_.reset();
   materials_.reset();
@@ -53,10 +89,16 @@ void SolverBackend::body_changed() {
   scene_->prepare(frame_);
   follow_joints();
   const auto domains = std::span(topology_->edited).subspan(domains_seen_);
-  do_body_changed(domains);
+  try {
+    do_body_changed(domains);
+  } catch (...) {  // a backend that does not follow
+    std::tie(own_spectrum_, stiffness_, viscosity_) = before;
+    throw;
+  }
   do_scene_changed();
   continue_copies(domains);
   copies_seen_ = topology_->copied.size();
+  exchanged_seen_ = topology_->exchanged.size();
   edits_seen_ = topology_->edits;
   domains_seen_ = topology_->edited.size();
   scene_version_ = scene_->version();
@@ -66,7 +108,8 @@ void SolverBackend::body_changed() {
 /// Copies that cuts made move as what they copy. The domains are those that changed.
 void SolverBackend::continue_copies(std::span<const Index> domains) {
   const auto copied = std::span(topology_->copied).subspan(copies_seen_);
-  if (copied.empty() && topology_->dissipation.empty()) return;
+  const auto exchanged = std::span(topology_->exchanged).subspan(exchanged_seen_);
+  if (copied.empty() && exchanged.empty() && topology_->dissipation.empty()) return;
   Snapshot now = snapshot_without_hash();
   for (const auto& [copy, of] : copied) {
     if (topology_->mass[copy] == 0.0) continue;  // the cut was undone
@@ -74,6 +117,7 @@ void SolverBackend::continue_copies(std::span<const Index> domains) {
     now.state.velocity[copy] = now.state.velocity[of];
     if (!now.displacement.empty()) now.displacement[copy] = now.displacement[of];
   }
+  carry_momentum(exchanged, topology_->mass, now.state.velocity);
   continue_strains(*topology_, domains, copied, now);
   restore(now);
 }

@@ -246,8 +246,8 @@ void SolverBackend::note_strain(const Motion& motion, StepReport& report) {
   }
   report.beyond_law = motion.strain.beyond_law;
   report.inverted = motion.strain.inverted;
-  report.first_beyond = first_beyond_;
-  report.beyond_since = first_beyond_ < 0 ? 0.0 : beyond_since_;
+  report.first_beyond = report.beyond_law > 0 ? first_beyond_ : -1;
+  report.beyond_since = report.first_beyond < 0 ? 0.0 : beyond_since_;
   if (motion.strain.beyond_law == 0 || motion.max_displacement <= farthest_sizes * body_size(model())) return;
   if (!all_held_) all_held_ = loose_parts(model(), *scene_, held_particles(model(), *scene_)).empty();
   if (!*all_held_) return;

@@ -103,7 +103,7 @@ void BodyEdit::take_cell(Index row) {
     for (const Index i : model_.cells[row].particles) insert(walls_of_[i]);
   }
   if (!has_material(model_, model_.cells[row])) return;
-  ++cell_count_;
+  if (at_start_[row] != 0) ++cell_count_;
   Cell whole = model_.cells[row];
   whole.share = whole_share_[row];
   mass_of_corner_[row] = model_.materials[whole.material].density * tissue_volume(model_, whole) /
@@ -119,7 +119,7 @@ void BodyEdit::lift_cell(Index row) {
     std::erase(cells_of_[i], row);
     std::erase(walls_of_[i], row);
   }
-  if (has_material(model_, model_.cells[row])) --cell_count_;
+  if (has_material(model_, model_.cells[row]) && at_start_[row] != 0) --cell_count_;
 }
 
 void BodyEdit::weigh_lumped(Index i) {
@@ -162,7 +162,7 @@ void BodyEdit::set_shares(std::span<const Index> cells, double share) {
     const auto at = std::ranges::lower_bound(topology_.removed, row);
     if (share == 0.0) {
       topology_.removed.insert(at, row);
-    } else {
+    } else if (at != topology_.removed.end() && *at == row) {
       topology_.removed.erase(at);
     }
   }
@@ -386,6 +386,8 @@ void BodyEdit::weigh_family(const std::vector<Index>& family) {
     } else if (lacking > 0.0) {
       mass[k] += more > 0.0 ? more : lacking / to_spare * more;
     }
+    const double before = topology_.mass[family[k]];
+    if (mass[k] != before) topology_.exchanged.push_back({family[k], family.front(), before});
     model_.mass[family[k]] = topology_.mass[family[k]] = mass[k];
   }
 }

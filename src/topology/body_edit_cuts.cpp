@@ -3,6 +3,7 @@
 // Cuts of a body and its tables.
 #include <phymul/error.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -21,7 +22,7 @@ BodyCut BodyEdit::find_cut(const CutCells& cut) const {
   BodyCut found = cut_cells(body, cut);
   if (found.copies.size() > spare_.size()) {
     if (cut.refused != nullptr) {
-      *cut.refused += found.added.size();
+      *cut.refused += std::max(found.added.size(), std::size_t{1});  // none is added along faces of cells
       return {};
     }
     throw Error(ErrorCode::not_supported,
@@ -89,6 +90,7 @@ void BodyEdit::undo() {
   for (auto copy = cut->copies.rbegin(); copy != cut->copies.rend(); ++copy) {
     spare_.push_back(copy->particle);
     const auto family = copies_.find(first_of_[copy->particle]);
+    for (const Index i : family->second) topology_.exchanged.push_back({i, family->first, topology_.mass[i]});
     std::erase(family->second, copy->particle);
     if (family->second.size() == 1) copies_.erase(family);
     first_of_[copy->particle] = copy->particle;

@@ -173,6 +173,12 @@ TEST(GuideThreads, SewAndHang) {
 
   ASSERT_TRUE(sim.advance(0.01).ok());
 
+  const auto loop =
+      scene.add_thread({.length = 0.2, .segment = 1e-3, .touches = true, .friction = 0.2}, start, direction);
+
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  EXPECT_TRUE(sim.solver().thread_state(loop).touch.empty()) << "in the air";
+
   const phymul::ThreadState& state = sim.solver().thread_state(stitch);
 
   EXPECT_GT(state.tension[2], 0.01);
@@ -197,6 +203,18 @@ TEST(GuideTools, PressAndReport) {
 
   EXPECT_EQ(ticks, 100);
   EXPECT_GT(felt, 0.01);
+}
+
+TEST(GuideTools, DrawsTissue) {
+  phymul::Simulation sim(phymul::make_block({0.04, 0.04, 0.04}, 12, 12, 12), {.material = soft});
+  sim.scene().fix("z0");
+  const phymul::Vec3 mouth(0.02, 0.02, 0.0445);
+
+  const auto tube = sim.scene().add_tool(
+      {.shape = phymul::Sphere{0.004}, .pose = {.position = mouth}, .suction = 0.5, .suction_reach = 0.003});
+
+  ASSERT_TRUE(sim.step(1, 1e-5).ok());
+  EXPECT_LT(sim.force_on(tube).force.z(), -0.01);
 }
 
 }  // namespace

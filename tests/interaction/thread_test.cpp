@@ -126,6 +126,45 @@ TEST(Thread, WhipsWithoutGainingEnergy) {
   }
 }
 
+/// Ten thousand times its weight: one iteration of Newton's method a step flings it away, faster and faster.
+TEST(Thread, AForceAtItsTipDoesNotFlingItAway) {
+  for (const double segment : {1e-3, 3e-3}) {
+    for (const double force : {0.1, 10.0}) {
+      const Model model = loose_particles({Vec3(9, 9, 9)}, 1.0);
+      Scene scene(model);
+      const ThreadHandle thread =
+          scene.add_thread({.length = 0.2, .bending_stiffness = 1e-9, .segment = segment}, Vec3(-0.1, 0, 0), {1, 0, 0});
+      thread.pull(ThreadTip::first, {0, 0, -force});
+      thread.hold(thread.thread().nodes() - 1, {0.1, 0, 0});
+      const auto solver = loose_solver("reference", model, scene);
+      ASSERT_TRUE(solver->step(2000, thread_dt).ok());
+      const ThreadState& state = solver->thread_state(thread);
+      EXPECT_NEAR(state.tension.front() / force, 1.0, 1e-6) << segment << ' ' << force;
+      const double longer = 0.2 * (1.0 + force / axial_stiffness({}));
+      EXPECT_LT((state.position.front() - Vec3(0.1, 0, -longer)).norm(), 1e-6) << segment << ' ' << force;
+    }
+  }
+}
+
+/// Slices of a call, which depend on the time that it takes, would make it jump.
+TEST(Thread, WhatHoldsItGoesEvenlyWithProgress) {
+  State end;
+  for (const bool progress : {false, true}) {
+    const Model model = loose_particles({Vec3(9, 9, 9)}, 1.0);
+    Scene scene(model);
+    const ThreadHandle thread = scene.add_thread({.length = 0.1}, Vec3::Zero(), {1, 0, 0});
+    thread.hold(0, {0.02, 0.03, 0});
+    SolverOptions options;
+    if (progress) options.progress = [](const StepProgress&) { return true; };
+    const auto solver = loose_solver("reference", model, scene, options);
+    ASSERT_TRUE(solver->step(100, thread_dt).ok());
+    if (progress) {
+      EXPECT_EQ(solver->read(), end);
+    }
+    end = solver->read();
+  }
+}
+
 class ThreadIn : public WithTools {};
 PHYMUL_ON_EVERY_BACKEND(ThreadIn);
 

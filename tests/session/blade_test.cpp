@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "body/cut_places.h"
 #include "model/cell_geometry.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
@@ -14,6 +15,7 @@
 #include "support/removable_body.h"
 #include "support/sanitized.h"
 #include "support/stroke.h"
+#include "topology/body_edit.h"
 
 namespace phymul {
 namespace {
@@ -333,6 +335,23 @@ TEST(Blade, OfAnySizeHasRoom) {
   stroke.sim.scene().add_tool(
       "large", {.shape = Blade{.width = 2e4, .toughness = 20.0, .height = 1e4, .friction = 1e3}, .pose = stroke.pose});
   EXPECT_TRUE(stroke.go_on(0.5e-3).ok());
+}
+
+/// Along faces of cells a cut adds no cell, only copies, for which there is no room here.
+TEST(Blade, SaysSoAlongFacesToo) {
+  Model model = make_tetrahedral_block({0.06, 0.04, 0.02}, 6, 4, 2, 0.0, 1);
+  set_material(model, {5e3, 0.4, 1000.0});
+  TopologyTextures topology = build_topology(model);
+  BodyEdit edit(model, topology);
+  std::vector<Index> cells(model.cells.size());
+  std::iota(cells.begin(), cells.end(), 0);
+  const CutSurface surface = cut_plane({0.03, 0, 0}, {1, 0, 0});
+  const CutPlaces places(model, cells, surface, "test");
+  CutCells cut = places.cut();
+  std::size_t refused = 0;
+  cut.refused = &refused;
+  EXPECT_TRUE(edit.find_cut(cut).empty());
+  EXPECT_GT(refused, 0u);
 }
 
 TEST(Blade, SaysWhatItCannotCut) {

@@ -6,10 +6,12 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
+#include "support/outside_backend.h"
 #include "support/removable_body.h"
 
 namespace phymul {
@@ -198,6 +200,49 @@ TEST(RemoveCells, KeepTheStepBelowItsLimit) {
       }
     }
   }
+}
+
+/// Of a solver that was made after cells had been removed, when they come back.
+TEST(RemoveCells, ASecondSolverKeepsItsStepBelowTheLimit) {
+  Model model = slab();
+  set_material(model, {5e3, 0.4, 1000.0});
+  set_material(model, {5e5, 0.4, 1000.0}, [](const Vec3& x) { return x.x() > 0.05; });
+  Simulation sim(model);
+  const Snapshot whole = sim.snapshot();
+  const double limit = sim.solver().stable_step();
+  for (const bool stiffest : {false, true}) {
+    sim.remove_cells(cells_within(model, Vec3(stiffest ? 0.06 : 0.0, 0.02, 0.015), 0.022));
+    const std::shared_ptr<const TopologyTextures> tables(std::shared_ptr<void>(), &sim.solver().topology());
+    const auto second = make_solver("cpu", tables, sim.scene());
+    sim.restore(whole);
+    second->body_changed();
+    EXPECT_LE(second->stable_step(), 1.005 * limit) << stiffest;
+    EXPECT_GE(second->stable_step(), 0.6 * limit) << stiffest;
+  }
+}
+
+/// Cells that a model lacks already are not counted as cells that are left.
+TEST(RemoveCells, OfABodyThatLacksSomeLeaveOne) {
+  Simulation first(slab(), options_for("cpu"));
+  first.remove_cells(std::vector<Index>{0});
+  Simulation sim(first.model(), options_for("cpu"));
+  std::vector<Index> left(sim.model().cells.size() - 1);
+  std::iota(left.begin(), left.end(), 1);
+  EXPECT_TRUE(refuses([&] { sim.remove_cells(left); }, "some cell of the body to be left"));
+  left.pop_back();
+  EXPECT_NO_THROW(sim.remove_cells(left));
+}
+
+TEST(RemoveCells, OfABackendThatDoesNotFollowChangeNothing) {
+  SimulationOptions options = options_for("cpu");
+  options.make_solver = [](auto topology, const Scene& scene, const SolverOptions&) {
+    return std::make_unique<OutsideBackend>(topology, scene);
+  };
+  Simulation sim(slab(), std::move(options));
+  const double before = sim.solver().stable_step();
+  EXPECT_TRUE(refuses([&] { sim.remove_cells(std::vector<Index>{0}); }, "does not follow changes"));
+  EXPECT_TRUE(sim.removed_cells().empty());
+  EXPECT_EQ(sim.solver().stable_step(), before);
 }
 
 TEST(RemoveCells, StayRemovedInAStateFile) {

@@ -65,6 +65,15 @@ TEST(WireCodes, NeverChange) {
     Tool tool;
     tool_fields(in, tool);
     EXPECT_EQ(tool.contact, contact);
+    ByteWriter drawing;
+    tool_fields(drawing, {.shape = Sphere{1}, .contact = contact, .suction = 0.5, .suction_reach = 0.25});
+    const std::string bytes = drawing.bytes();
+    EXPECT_EQ(bytes[out.bytes().size() - 1], 2 + static_cast<int>(contact));
+    ByteReader again("tool", bytes);
+    tool_fields(again, tool);
+    EXPECT_EQ(tool.contact, contact);
+    EXPECT_EQ(tool.suction, 0.5);
+    EXPECT_EQ(tool.suction_reach, 0.25);
   }
   std::string unknown;
   {
@@ -72,10 +81,10 @@ TEST(WireCodes, NeverChange) {
     tool_fields(out, {.shape = Sphere{1}});
     unknown = out.bytes();
   }
-  unknown.back() = 2;
+  unknown.back() = 4;
   ByteReader in("tool", unknown);
   Tool tool;
-  EXPECT_TRUE(refuses([&] { tool_fields(in, tool); }, "expected a tool's contact, a number below 2, got 2"));
+  EXPECT_TRUE(refuses([&] { tool_fields(in, tool); }, "expected a tool's contact, a number below 4, got 4"));
 }
 
 }  // namespace

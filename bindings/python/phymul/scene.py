@@ -88,13 +88,15 @@ class Scene(Owner):
         return self
 
     def add_tool(self, shape: Shape, pose: Pose = Pose(), *, friction: float = 0.0, compliance: float = 0.0,
-                 margin: float = 0.0, contact: str = "particles") -> Tool:
-        """contact: "particles" or "surface". compliance: m/N, margin: m."""
+                 margin: float = 0.0, contact: str = "particles", suction: float = 0.0,
+                 suction_reach: float = 0.0) -> Tool:
+        """contact: "particles" or "surface". compliance: m/N, margin: m, suction: N, suction_reach: m."""
         if contact not in ("particles", "surface"):
             raise Error(f'expected the contact "particles" or "surface", got "{contact}"')
         pose_struct = pose_of(pose)
         options = sized("phymul_tool_options", friction=friction, compliance=compliance, margin=margin,
-                        contact=contact == "surface", pose=ctypes.addressof(pose_struct))
+                        contact=contact == "surface", pose=ctypes.addressof(pose_struct), suction=suction,
+                        suction_reach=suction_reach)
         kinds = {Sphere: "SPHERE", Capsule: "CAPSULE", HalfSpace: "HALF_SPACE", Box: "BOX", Blade: "BLADE",
                  Needle: "NEEDLE"}
         if type(shape) not in kinds:

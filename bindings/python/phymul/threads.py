@@ -28,11 +28,12 @@ class Thread:
     density: float = 920.0  # kg/m^3. A sewn thread has no mass
     segment: float = 3e-3  # m, largest distance of nodes of a free thread
     damping: float = 0.0  # 1/s
-    friction: float = 0.1  # of a passage: tensions differ by exp(friction * angle)
+    friction: float = 0.1  # on what it lies on; of a passage: tensions differ by exp(friction * angle)
     channel_friction: float = 0.0  # N, further difference of tensions at a passage
     breaking_force: float = math.inf  # N
     passage_limit: float = math.inf  # N at which the tissue tears
     throw_holding: float = 1.0  # N, of each throw of a knot
+    touches: bool = False  # a free thread lies on tools and tissue
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ class ThreadState:
     pulled_out: int  # passages that a tip has slipped through
     force_first: np.ndarray  # N, of the thread on what its tips are anchored to
     force_last: np.ndarray
+    touch: Optional[np.ndarray]  # [points][3] N, that what it lies on pushes it with; None: it lies on nothing
 
 
 @dataclass(frozen=True)
@@ -169,4 +171,5 @@ class ThreadHandle(Numbered):
             slides=_copy(now.slides, ctypes.c_int32, now.passages),
             knots=[Knot(k.a, k.b, bool(k.broken), k.rest_length, k.tension, k.slip) for k in knots],
             sewn=now.sewn, torn=now.torn, pulled_out=now.pulled_out,
-            force_first=np.array(now.force_first), force_last=np.array(now.force_last))
+            force_first=np.array(now.force_first), force_last=np.array(now.force_last),
+            touch=_copy(now.touch, ctypes.c_double, 3 * now.points).reshape(-1, 3) if now.touch else None)

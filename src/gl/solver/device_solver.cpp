@@ -10,6 +10,7 @@
 #include "device/float_range.h"
 #include "device/float_tables.h"
 #include "gl/fragment/fragment_device.h"
+#include "interaction/tool_shape.h"
 #include "model/tissue_surface.h"
 
 namespace phymul::gl {
@@ -46,14 +47,13 @@ DeviceSolver::~DeviceSolver() {
   drop();
 }
 
-/// Not in order on a device: needles, blades, surfaces under tools, threads. Not by fragments, 83 to 109 draws a step:
-/// contacts. And not tabled there: which volumes an edit of the body has opened, and faces of cuts that touch.
+/// Not in order on a device: tools that do more than press, surfaces under tools, threads. Not by fragments, 83 to 109
+/// draws a step: contacts. And not tabled there: which volumes an edit of the body has opened, and faces of cuts that
+/// touch.
 bool DeviceSolver::acts_on_host() const {
   return (scene().contacts() && (backend_ == GlBackend::fragment || has_cuts(model()))) || scene().any_volume_open() ||
          !scene().threads().empty() || std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
-           const ToolShape& shape = own.tool.shape;
-           return own.tool.contact == ToolContact::surface || std::holds_alternative<Needle>(shape) ||
-                  std::holds_alternative<Blade>(shape);
+           return own.tool.contact == ToolContact::surface || !beyond_pressing(own.tool).empty();
          });
 }
 

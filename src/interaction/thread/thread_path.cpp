@@ -123,7 +123,7 @@ void ThreadPath::set_first_lengths() {
   }
   for (const std::size_t tip : {0, 1}) {
     double& tail = tip == 0 ? rest.front() : rest.back();
-    if (is_anchored(tip) && !next_.anchored[tip]) tail = way(tip * (rest.size() - 1));
+    if (is_anchored(tip) && !next_.anchored[tip] && !next_.passages.empty()) tail = way(tip * (rest.size() - 1));
     if (!is_clamped(tip)) next_.anchored[tip] = is_anchored(tip);
   }
 }
@@ -133,12 +133,25 @@ std::size_t ThreadPath::point_of(Index row) const {
   return own == next_.passages.end() ? 0 : static_cast<std::size_t>(own - next_.passages.begin()) + 1;
 }
 
-/// Thread for a knot comes from the tails, and goes back there.
+/// Thread for a knot comes from the free tails, half from each, or more from the one that has more.
 void ThreadPath::take_from_tails(double length) {
-  for (const std::size_t tip : {0, 1}) {
-    double& tail = tip == 0 ? next_.rest_length.front() : next_.rest_length.back();
-    if (!is_anchored(tip)) tail = std::max(tail - 0.5 * length, 0.0);
-  }
+  double &first = next_.rest_length.front(), &last = next_.rest_length.back();
+  const double of_first = is_anchored(0) ? 0.0 : first, of_last = is_anchored(1) ? 0.0 : last;
+  const double least = std::max(length - of_last, 0.0);
+  const double taken = std::min(of_first, std::max(std::min(0.5 * length, of_first), least));
+  first -= taken;
+  last -= std::min(length - taken, of_last);
+}
+
+/// And goes back there, but for what the tails lacked: the thread does not grow.
+void ThreadPath::give_to_tails(double length) {
+  double left = thread_.length;
+  for (const double rest : next_.rest_length) left -= rest;
+  for (const KnotState& knot : next_.knots) left -= knot.rest_length;
+  const double given = std::clamp(left + length, 0.0, length);  // the knot is one of them
+  const double share = is_anchored(0) ? 0.0 : is_anchored(1) ? 1.0 : 0.5;
+  next_.rest_length.front() += share * given;
+  if (!is_anchored(1)) next_.rest_length.back() += (1.0 - share) * given;
 }
 
 void ThreadPath::take_over_knots() {
@@ -149,8 +162,10 @@ void ThreadPath::take_over_knots() {
     return std::ranges::none_of(control_.knots, same_as(known)) ||
            (known.broken && std::ranges::any_of(tied_, same_as(known)));
   };
-  for (const KnotState& known : next_.knots) {
-    if (is_gone(known)) take_from_tails(-known.rest_length);
+  for (KnotState& known : next_.knots) {
+    if (!is_gone(known)) continue;
+    give_to_tails(known.rest_length);
+    known.rest_length = 0.0;
   }
   std::erase_if(next_.knots, is_gone);
   for (const Knot& knot : control_.knots) {
@@ -260,9 +275,9 @@ bool ThreadPath::is_finite() const {
 }
 
 bool ThreadPath::is_free_row(Index row) const {
-  const std::size_t last = passages_.size() - 1;
   for (const std::size_t tip : {std::size_t{0}, std::size_t{1}}) {
-    if (control_.ends[tip].hold == TipHold::fixed && static_cast<std::size_t>(row) == tip * last) return false;
+    const Index outer = tip == 0 ? next_.passages.front() : next_.passages.back();
+    if (control_.ends[tip].hold == TipHold::fixed && row == outer) return false;
   }
   return std::ranges::none_of(next_.knots,
                               [&](const KnotState& knot) { return !knot.broken && (knot.a == row || knot.b == row); });

@@ -63,6 +63,7 @@ class ThreadPath {
   void draw(std::size_t tip, int steps_left);
   void loosen(std::size_t tip);
   void take_from_tails(double length);
+  void give_to_tails(double length);
   void take_over_knots();
   void list_pieces(const std::array<Outside, 2>& tips);
   void push(TouchedParticles& touched);

@@ -12,6 +12,8 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace phymul {
@@ -31,8 +33,23 @@ class ThreadRod {
   /// The node is at a place, m, of a body that would go `way`, m, by itself. `inverse_mass`: 1/kg of the body there, by
   /// axis; 0: the way is given.
   void attach(Index node, const Vec3& place, const Vec3& way, const Vec3& inverse_mass);
-  void solve();
-  Vec3 way(Index node) const { return way_[node]; }  ///< m, of solve()
+  void solve();  ///< by as many iterations as that takes: one, where nothing is violent
+  /// What pushes a node by stiffness (to - way) besides: N/m, m.
+  struct Push {
+    Index node = 0;
+    Mat3 stiffness = Mat3::Zero();
+    Vec3 to{0, 0, 0};
+    Vec3 at(const Vec3& way) const { return stiffness * (to - way); }
+  };
+  /// The parts of solve(); iterate() improves on the ways that are there.
+  void start_newton();
+  void iterate(std::span<const Push> pushes = {});
+  void touch(VecList forces) { touch_ = std::move(forces); }  ///< N [N], or empty: ThreadState::touch of the step
+
+  Vec3 way(Index node) const { return way_[node]; }             ///< m, of the last iteration
+  const Vec3& place(Index node) const { return place_[node]; }  ///< m, at the step's start
+  bool has_settled() const;                                     ///< segments are as long as their tensions say
+  bool is_given(Index node) const { return given_[node] != 0; }
   /// N, of the thread on what holds a tip, by tension and bending after solve().
   Vec3 force_at(ThreadTip tip) const;
   void report(ThreadTip tip, const Vec3& force) { force_[static_cast<std::size_t>(tip)] = force; }
@@ -42,8 +59,7 @@ class ThreadRod {
  private:
   static constexpr int band = 8, row = band + 1;
 
-  void start_newton();
-  void assemble();
+  void assemble(std::span<const Push> pushes);
   void add_bending();
   void add_segments();
   void impose();
@@ -61,6 +77,7 @@ class ThreadRod {
   std::vector<std::uint8_t> given_;                          // bit a: coordinate a
   std::vector<double> tension_;                              // N [N - 1]
   std::array<Vec3, 2> force_{Vec3(0, 0, 0), Vec3(0, 0, 0)};  // N, ThreadState::force
+  VecList touch_;                                            // N, ThreadState::touch
   VecList along_;                                            // [N - 1] unit vectors
   std::vector<double> matrix_, value_;  // [4 N][row], [4 N]: x, y, z of a node, then the tension after it
 };

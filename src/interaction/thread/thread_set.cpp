@@ -6,6 +6,8 @@
 namespace phymul {
 namespace {
 
+constexpr Index nodes_in_tissue = 3;  // of a thread at a tip that is joined to particles: tissue does not push them out
+
 const ThreadState& state_of(const std::variant<ThreadRod, ThreadPath>& body) {
   return std::visit([](const auto& own) -> const ThreadState& { return own.state(); }, body);
 }
@@ -33,13 +35,16 @@ void ThreadSet::look(Moving& thread, const SceneThread& wanted, std::span<const 
   if (auto* const path = std::get_if<ThreadPath>(&thread.body)) path->follow(thread.control, mass);
 }
 
-void ThreadSet::follow(const Scene& scene) {
+void ThreadSet::follow(const Scene& scene, FollowedSurface& surface) {
   std::vector<Moving> now;
   now.reserve(scene.threads().size());
   for (const SceneThread& thread : scene.threads()) {
     const auto known = std::ranges::find(threads_, thread.id, &Moving::id);
     now.push_back(known != threads_.end() ? *known : made(thread));
     look(now.back(), thread, scene.model().mass);
+    if (!thread.is_sewn() && thread.thread.touches) {
+      now.back().contacts.emplace(thread.thread, surface.of(scene), scene.model().mass.size());
+    }
   }
   threads_ = std::move(now);
   gravity_ = scene.gravity();
@@ -49,10 +54,13 @@ void ThreadSet::follow(const Scene& scene) {
 void ThreadSet::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < threads_.size(); ++row) {
     const SceneThread& wanted = scene.threads()[row];
+    std::optional<ThreadContacts> contacts = std::move(threads_[row].contacts);
     threads_[row] = made(wanted);
+    if (contacts) contacts->forget();
     const auto known = std::ranges::find(state.threads, wanted.name, &ThreadState::name);
     if (known != state.threads.end()) std::visit([&](auto& own) { own.restore(*known); }, threads_[row].body);
     look(threads_[row], wanted, scene.model().mass);
+    threads_[row].contacts = std::move(contacts);
   }
   steps_left_ = 1;
   find_together();
@@ -113,8 +121,10 @@ ThreadSet::Tip ThreadSet::tip_of(const ThreadEnd& end, const Vec3* at, TouchedPa
   return tip;
 }
 
-void ThreadSet::act(ThreadRod& rod, const ThreadControl& control, TouchedParticles& touched,
-                    const FindTool& find_tool) const {
+void ThreadSet::act(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
+                    std::span<const ThreadSupport> supports) const {
+  ThreadRod& rod = std::get<ThreadRod>(thread.body);
+  const ThreadControl& control = thread.control;
   const double dt = touched.dt();
   std::array<Tip, 2> tips;
   std::array<Vec3, 2> mobility;
@@ -139,7 +149,18 @@ void ThreadSet::act(ThreadRod& rod, const ThreadControl& control, TouchedParticl
   for (const HeldNode& held : control.held) {
     rod.give(held.node, (held.position - rod.state().position[held.node]) / steps_left_);
   }
-  rod.solve();
+  if (thread.contacts) {
+    const auto joined = [&](std::size_t t) { return control.ends[t].hold == TipHold::anchored; };
+    std::vector<ThreadSupport> others;
+    for (const ThreadSupport& support : supports) {
+      const auto is_own = [&](std::size_t t) { return joined(t) && control.ends[t].anchor.tool == support.tool; };
+      if (!is_own(0) && !is_own(1)) others.push_back(support);
+    }
+    const auto spared = [&](std::size_t t) { return joined(t) && tips[t].in_body ? nodes_in_tissue : 0; };
+    thread.contacts->solve(rod, others, spared(0), rod.last() - spared(1), touched);
+  } else {
+    rod.solve();
+  }
   for (const std::size_t t : {0, 1}) {
     const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
     const Anchor& anchor = control.ends[t].anchor;
@@ -215,9 +236,9 @@ void ThreadSet::find_together() {
   }
 }
 
-void ThreadSet::act(TouchedParticles& touched, const FindTool& find_tool) {
+void ThreadSet::act(TouchedParticles& touched, const FindTool& find_tool, std::span<const ThreadSupport> supports) {
   for (Moving& thread : threads_) {
-    if (auto* const rod = std::get_if<ThreadRod>(&thread.body)) act(*rod, thread.control, touched, find_tool);
+    if (std::holds_alternative<ThreadRod>(thread.body)) act(thread, touched, find_tool, supports);
   }
   for (Together& together : sewn_) act(together, touched, find_tool);
 }

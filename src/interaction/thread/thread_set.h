@@ -7,7 +7,9 @@
 #include <phymul/scene.h>
 #include <phymul/state.h>
 
+#include <algorithm>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -15,6 +17,7 @@
 #include <vector>
 
 #include "interaction/predicted_step.h"
+#include "thread_contacts.h"
 #include "thread_path.h"
 #include "thread_rod.h"
 
@@ -23,7 +26,7 @@ namespace phymul {
 class ThreadSet {
  public:
   /// Takes over the scene's threads after a change; threads that stay keep their state. Allocates.
-  void follow(const Scene& scene);
+  void follow(const Scene& scene, FollowedSurface& surface);
   bool empty() const { return threads_.empty(); }
 
   void reset(const Scene& scene, const State& state);
@@ -38,7 +41,11 @@ class ThreadSet {
     bool is_free = false;        ///< a needle that was let go: the thread does not pull it
   };
   using FindTool = std::function<AtTool(std::string_view name)>;
-  void act(TouchedParticles& touched, const FindTool& find_tool);
+  /// `supports`: what threads may lie on, where any_touches().
+  void act(TouchedParticles& touched, const FindTool& find_tool, std::span<const ThreadSupport> supports);
+  bool any_touches() const {
+    return std::ranges::any_of(threads_, [](const Moving& thread) { return thread.contacts.has_value(); });
+  }
   /// What has passed the tail of a needle at a pose, in order, becomes passages of the threads joined to it there.
   void follow_needle(std::string_view needle, std::span<const std::pair<Anchor, Vec3>> passed, const ToolPose& pose);
   bool is_finite() const;  ///< at the end of the step in question
@@ -53,6 +60,7 @@ class ThreadSet {
     std::uint64_t id = 0, seen = 0;  // SceneThread's id and changes
     ThreadControl control;
     std::variant<ThreadRod, ThreadPath> body;
+    std::optional<ThreadContacts> contacts{};
   };
   /// Where a tip is to be in the step: the place at its start and the way of what it is anchored to.
   struct Tip {
@@ -64,7 +72,8 @@ class ThreadSet {
   static Moving made(const SceneThread& thread);
   static void look(Moving& thread, const SceneThread& wanted, std::span<const double> mass);
   Tip tip_of(const ThreadEnd& end, const Vec3* at, TouchedParticles& touched, const FindTool& find_tool) const;
-  void act(ThreadRod& rod, const ThreadControl& control, TouchedParticles& touched, const FindTool& find_tool) const;
+  void act(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
+           std::span<const ThreadSupport> supports) const;
   /// Sewn threads that share particles, or one alone.
   struct Together {
     std::vector<std::size_t> rows;
