@@ -31,7 +31,7 @@ CAPTION.
 | quantities for which there is evidence | displacement, force and moment at rest; natural frequencies, speed of waves; steps and their limit |
 | range | stretches from 0.6 to 1.7, nu from 0 to 0.49 (0.499 with the errors stated), lengths from 1 mm to 1 m |
 | outside of it | `StepReport::beyond_law`, `Simulation::warnings()` and refusals say so while it runs |
-| not for | cutting, fracture, perfusion, active muscle, plasticity, fluids; decisions without a check of their own |
+| not for | free fluids, perfusion, active muscle, plasticity; decisions without a check of their own |
 
 Model influence and consequence of a wrong decision, and with them the risk, are the maker's to state.
 """
