@@ -31,7 +31,7 @@ Mat<S> cofactor(const Mat<S>& F) {
   return C;
 }
 
-/// k/8 (|F a|^2 - 1)^2, and its derivative by F added to *gradient.
+/// k/8 (|F a|^2 - |a|^2)^2; adds its derivative by F to *gradient.
 template <class S>
 S fibre_energy(const Mat<S>& F, S k, const Vec<S>& a, Mat<S>* gradient) {
   const Vec<S> now = F * a;
@@ -84,7 +84,7 @@ Passage<S> passage_at(S u) {
   return {t * t * (S(3) - S(2) * t), S(-6) * t * (S(1) - t) / width};
 }
 
-/// mu/2 (J^(-2/3) |F|^2 - 3) and what it passes to.
+/// (1 - w) mu/2 (J^(-2/3) |F|^2 - 3) + w times the far energy. Sets *gradient, to which others add.
 template <class S>
 S neo_hookean_energy(const Mat<S>& F, S mu, Mat<S>* gradient) {
   const HowFar<S> of = how_far(F);

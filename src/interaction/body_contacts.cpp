@@ -22,8 +22,8 @@ double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along
   return particle.inverse_mass * share;
 }
 
-/// Share of the mobility without loads. Below it what may move goes nearly along the surface: it would be thrown far to
-/// the side to make little room, and any distance where the share is nothing but rounding.
+/// Least mobility over that without imposed and held coordinates. Below it the free motion is nearly along the surface:
+/// a particle would be thrown far aside to make little room.
 constexpr double least_mobility = 1e-4;
 
 void shift(TouchedParticles::Touched& particle, Vec3 by) {
@@ -105,7 +105,7 @@ void BodyContacts::fetch(const TouchedParticles& touched) {
   }
 }
 
-/// Two places come nearer by no more than both go. A velocity differs from the mean by no more than twice the largest.
+/// Two places approach by at most twice `going`, and the margin of find(), 2 dt |v - mean|, is at most four times it.
 bool BodyContacts::none_near(double going, double gone) const {
   return candidates_.none_within(4.0 * going, 2.0 * (gone - gone_));
 }

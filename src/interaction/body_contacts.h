@@ -30,7 +30,7 @@ class BodyContacts {
 
   void follow(const Scene& scene, FollowedSurface& surface);  ///< allocates
   bool empty() const { return !surface_ || surface_->particles.empty(); }
-  void forget() { gone_ = NAN; }  ///< places changed otherwise than step by step
+  void forget() { gone_ = NAN; }  ///< positions were set, not stepped
 
   void act(TouchedParticles& touched);
   /// Nothing to do in a step in which no particle goes farther than `going`, m. `gone`: PredictedStep::gone(), m.
@@ -76,7 +76,7 @@ class BodyContacts {
   void part(const Contact& contact, TouchedParticles& touched) const;
 
   ContactOptions options_;
-  std::shared_ptr<const ContactSurface> surface_;  // and candidates_ of it; null: without contacts
+  std::shared_ptr<const ContactSurface> surface_;  // candidates_ point to it; null: no contacts
   ContactCandidates candidates_;
   double gone_ = NAN;        // m, PredictedStep::gone() at the last find()
   std::vector<Index> rows_;  // of the model: the surface's particles; where a cut is, what its points are means of

@@ -52,7 +52,7 @@ struct ContactSurface {
   static constexpr double depth_factor = 1.001;
   /// Of the longest edge, that a triangle counts as nearer the more it faces a particle (1: from straight above): where
   /// a particle is nearest to what triangles have in common, rounding parts their distances by less. One length for all
-  /// of them: by its own edges a large triangle would face more than a small one that faces better. See DESIGN.md.
+  /// of them: by its own edges a large triangle would face more than a small one that faces better.
   static constexpr double facing_share = 1e-5;
   static constexpr double usual_skin = 0.1;  ///< of either side where the scene names none, in edges
   /// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from

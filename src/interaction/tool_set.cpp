@@ -42,7 +42,7 @@ Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolF
 }
 
 /// Tool::suction. `found`: room.
-void draw(const Tool& tool, const ShapeIn<double>& shape, const Region& bounds, const ToolFrame& frame,
+void suck(const Tool& tool, const ShapeIn<double>& shape, const Region& bounds, const ToolFrame& frame,
           TouchedParticles& touched, std::vector<Index>& found, ToolForce& force) {
   found.clear();
   touched.step().find(swept_bounds(shape, bounds, frame, frame, tool.suction_reach), found);
@@ -299,7 +299,7 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     if (tool.tool.suction == 0.0) continue;
     const ToolFrame end(tool.moved.motion.next_pose);
-    draw(tool.tool, tool.shape, tool.bounds, end, touched, found_, tool.next_force);
+    suck(tool.tool, tool.shape, tool.bounds, end, touched, found_, tool.next_force);
   }
   for (Moving& tool : tools_) {
     if (!tool.needle && !tool.blade) press(tool, touched);

@@ -42,11 +42,11 @@ class ToolSet {
   /// Whether a tool may touch something within the next steps, where any_in(region) says whether a particle may be
   /// there in that time. `wide`: m, no point of a surface's triangle is farther from all its corners.
   bool may_touch(int steps, double dt, double wide, const std::function<bool(const Region&)>& any_in) const;
-  /// Takes all tools on by steps in which they touch nothing. What joints did to them: in the last step, and summed.
+  /// Moves all tools by steps in which they touch nothing. What joints did to them: in the last step, and summed.
   void pass(int steps, double dt, std::span<const JointSet::Pull> pulls, std::span<const JointSet::Pull> sums);
-  /// What joints do to the tools in the step, by Scene::tools(). Before accept().
+  /// What joints do to the tools in the step, by Scene::tools(). Before first_not_finite().
   void pull(std::span<const JointSet::Pull> pulls);
-  /// Acts on one step; the poses are those of the step's end.
+  /// Acts on one step: hold, pierce, cut, suck, press, then threads.
   void act(TouchedParticles& touched);
   const MovedTool* find(std::uint64_t id) const;  ///< null where follow() has not seen it
   // Of a row of Scene::tools().

@@ -24,7 +24,7 @@ double face_share(std::span<const FaceCut> cuts);
 bool has_tissue(std::span<const FaceCut> cuts);
 
 /// The share of a side that has tissue of both of two cells, which have its two particles and lie beside each other;
-/// 0 where a cut goes along it.
+/// 0: both are cut along it.
 double tissue_in_common(const Cell& a, const Cell& b, const std::array<Index, 2>& side);
 double tissue_in_common(std::span<const Index> of_a, std::span<const CellCut> cuts_of_a, std::span<const Index> of_b,
                         std::span<const CellCut> cuts_of_b, const std::array<Index, 2>& side);

@@ -27,16 +27,16 @@ constexpr double runaway_factor = 1e6;
 /// Of the body, from rest: with parts held, stretches of ten and more lie between.
 constexpr double farthest_sizes = 10.0;
 
-/// Of the stable step: where nothing is known of the deformation, and where nothing has raised the frequency. The
-/// latter is stable although frequency_growth() may be up to 20 % too low.
+/// Shares of the stable step where nothing is known of the deformation, and where it has not raised the frequency. The
+/// second leaves the 20 % (0.9^-2 = 1.23) by which frequency_growth() may be too low.
 constexpr double usual_share = 0.5, longest_share = 0.9;
-/// A growth by more than 13, beyond that of a stiffening law, is that of single domains, which do not set the step
+/// A growth above (0.9 / 0.25)^2 = 13, besides a stiffening law's, is that of single domains, which do not set the step
 /// alone.
 constexpr double shortest_share = 0.25;
 /// For longer than so many steps nothing says how a body will deform.
 constexpr double foreseen_steps = 16.0;
 
-/// m, that a tool of the size of a spacing moves from one pose to another.
+/// m, that points of a tool within a spacing of its position move from one pose to another.
 double travel(const ToolPose& from, const ToolPose& to, double spacing) {
   return (to.position - from.position).norm() +
          spacing * to.orientation.normalized().angularDistance(from.orientation.normalized());

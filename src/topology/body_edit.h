@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Changes of a body that is there: cells and walls are removed, brought back and cut, in the model and in its tables at
-// once, at a cost that follows the change and not the body. Afterwards the tables are those that build_topology() makes
+// Edits a built body: removes, brings back and cuts cells and walls, in the model and its tables at once. The cost
+// follows the change, but for passes over [N] numbers. Afterwards the tables are those that build_topology() makes
 // of the model with the same stabiliser, but for the order of their rows and for rounding. They depend on the cells
 // that are removed and on the cuts, not on the order of edits.
 #pragma once
@@ -24,7 +24,7 @@ class BodyEdit {
   /// the body is made of cells or walls with materials.
   BodyEdit(Model& model, TopologyTextures& topology);
 
-  /// Sets Cell::share of these cells: 0, or with 1 what it is while they are not removed. The tables' lists of edits
+  /// Removes these cells (`share` 0) or brings them back (1; no other value). The tables' lists of edits
   /// say what changed. A particle's mass is in proportion to what its cells weigh, but not so small that it would
   /// vibrate faster than all of the body did: what is kept for that is at most its mass at the beginning. Without a
   /// cell it is 0. Throws Error, and changes nothing, for a row that is no cell with a material.
@@ -87,11 +87,11 @@ class BodyEdit {
   std::vector<Index> free_walls_;             // rows there that no cell has, the next one last
   std::vector<double> whole_share_;           // [cells] while they are not removed
   std::vector<double> mass_of_corner_;        // [cells] kg, of each particle's share of one
-  std::vector<char> at_start_;                // [cells] it, or what it was cut from, was not removed at the beginning
+  std::vector<char> at_start_;                // [cells] 1: the cell, or what it was cut from, was there at the beginning
   std::vector<double> mass_, lumped_;  // [N] kg, of the model and of its cells while they are as at the beginning
   std::vector<Index> spare_;           // particles that no cell has, the next one last
   std::vector<Index> first_of_;        // [N] the particle that it is a copy of, and so on; itself
-  std::map<Index, std::vector<Index>> copies_;  // of those that have some: itself and they
+  std::map<Index, std::vector<Index>> copies_;  // by first particle: it and its copies
   VecList spare_places_;                        // [N] m, or empty: at rest, of those
   std::vector<double> modulus_;                 // [D] Pa
   std::vector<double> rate_;                    // [N] 1/s^2, own_stiffness() over the mass

@@ -112,7 +112,7 @@ void ThreadPath::begin(TouchedParticles& touched, const std::array<Outside, 2>& 
   if (!next_.passages.empty()) list_pieces(tips);
 }
 
-/// As long as the way; what the thread has left goes to the tails.
+/// Segments are as long as their way; the tails get the rest.
 void ThreadPath::set_first_lengths() {
   std::vector<double>& rest = next_.rest_length;
   const auto way = [&](std::size_t k) { return (start_[k + 1] - start_[k]).norm(); };
