@@ -12,6 +12,22 @@ from test_simulation import SOFT, block
 
 
 class Threads(Refusals):
+    def test_lies_on_a_floor_and_is_drawn_by_suction(self):
+        sim = block(damping=50.0).fix(np.ones(64, bool)).gravity((0, 0, -9.81))
+        sim.add_tool(phymul.HalfSpace(), Pose((0, 0, -0.05)))
+        wire = sim.add_thread(Thread(length=0.1, damping=5, touches=True), (0, 0.1, -0.045), (1, 0, 0))
+        self.assertIsNone(wire.state.touch)
+        sim.step(800, 5e-4)
+        weight = 9.81 * 920 * math.pi * 0.15e-3**2 * 0.1
+        np.testing.assert_allclose(wire.state.touch.sum(axis=0), (0, 0, weight), atol=1e-6 * weight)
+        free = block(damping=50.0)
+        tube = free.add_tool(phymul.Sphere(2e-3), Pose((0.01, 0.01, 0.033)), suction=0.3, suction_reach=8e-3)
+        free.step(1, 1e-5)
+        self.assertLess(tube.force.force[2], -0.01)
+        self.assertGreater(np.linalg.norm(tube.force.force), 0.01)
+        with self.assertRaisesRegex(phymul.Error, "suction reach above 0 m"):
+            free.add_tool(phymul.Sphere(2e-3), suction=0.3)
+
     def test_tensions_follow_the_capstan(self):
         sim = block(damping=200.0).fix(np.ones(64, bool))
         stitch = sim.sew(Thread(length=0.2, friction=0.2), [(0.005, 0.01, 0.01), (0.01, 0.01, 0.02), (0.02, 0.01, 0.02)])

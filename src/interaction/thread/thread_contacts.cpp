@@ -11,6 +11,8 @@ namespace phymul {
 namespace {
 
 constexpr int most_rounds = 12;
+/// Of the longest edge, that nodes and tissue may go before triangles are looked for anew.
+constexpr double room_in_edges = 0.25;
 /// Of the stiffness of a segment: what sticks creeps by so much less than a segment stretches, in each step.
 constexpr double stiffest_in_segments = 1000.0;
 /// Of an overlap at the step's start, that comes out in the step: all of it would fling the thread.
@@ -62,7 +64,7 @@ void ThreadContacts::find_near(const ThreadRod& rod, double reach, const Touched
   constexpr Index run = 8;  // nodes that share a box
   const PredictedStep& step = touched.step();
   const Index nodes = rod.last() + 1;
-  listed_ = 1.5 * reach + surface_->longest_edge;
+  listed_ = reach + room_in_edges * surface_->longest_edge;
   used_ = 0.0;
   gone_ = step.gone();
   going_ = touched.going();
@@ -96,42 +98,54 @@ void ThreadContacts::find_near(const ThreadRod& rod, double reach, const Touched
       const double apart = (share[0] * corners[a] + share[1] * corners[b] + share[2] * corners[c] - then_[i]).norm();
       if (apart > listed_) continue;
       clear_[i] = std::min(clear_[i], apart);
-      near_.push_back(t);
+      near_.push_back({t, apart});
     }
+    std::sort(near_.begin() + static_cast<std::ptrdiff_t>(first_.back()), near_.end(),
+              [](const Near& a, const Near& b) { return a.apart < b.apart; });
     first_.push_back(near_.size());
   }
 }
 
-/// The triangle that the node faces at the step's start, if one is within reach.
+/// The triangle that the node faces at the step's start, if one is within reach. Of those that are equally near,
+/// because they share what is nearest, the one that faces the node most; of those that do alike the first of the
+/// surface.
 std::optional<ThreadContacts::Touch> ThreadContacts::facing(Index node, const Vec3& place, double reach,
-                                                            const TouchedParticles& touched) const {
-  Touch best{.node = node};
-  double nearest = HUGE_VAL, best_facing = 0.0, gap = 0.0;
+                                                            const TouchedParticles& touched) {
+  const double tie = ContactSurface::facing_share * surface_->longest_edge;
+  double nearest = reach;
+  faced_.clear();
   for (std::size_t k = first_[node]; k < first_[node + 1]; ++k) {
-    const ContactSurface::Triangle& triangle = surface_->triangles[near_[k]];
+    if (near_[k].apart - used_ > nearest + tie) break;
+    const ContactSurface::Triangle& triangle = surface_->triangles[near_[k].triangle];
     std::array<Vec3, 3> x;
     for (std::size_t v = 0; v < 3; ++v) x[v] = corner_place(triangle.corner[v], touched.step());
     const Vec3 share = closest_point(place, x[0], x[1], x[2]);
     const Vec3 off = place - (share[0] * x[0] + share[1] * x[1] + share[2] * x[2]);
     const double apart = off.norm();
-    if (apart > reach) continue;
+    if (apart > nearest + tie) continue;
+    nearest = std::min(nearest, apart);
     const Vec3 normal = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
-    // Of triangles that are equally near, because they share what is nearest, the one that faces the node.
-    const double own_facing = apart > 0.0 ? std::abs(normal.dot(off)) / apart : 1.0;
-    const double tie = ContactSurface::facing_share * surface_->longest_edge;
-    if (apart > nearest + tie || (apart > nearest - tie && own_facing <= best_facing)) continue;
-    nearest = apart;
-    best_facing = own_facing;
     const bool inside = triangle.has_inside && normal.dot(off) < 0.0;
-    best.corner = triangle.corner;
-    best.share = share;
-    best.normal = inside || !(apart > 1e-9 * triangle.edge) ? normal : Vec3(off / apart);
-    gap = (inside ? -apart : apart) - radius_;
+    Faced& faced = faced_.emplace_back();
+    faced = {.triangle = near_[k].triangle,
+             .apart = apart,
+             .facing = apart > 0.0 ? std::abs(normal.dot(off)) / apart : 1.0,
+             .gap = (inside ? -apart : apart) - radius_,
+             .share = share,
+             .normal = inside || !(apart > 1e-9 * triangle.edge) ? normal : Vec3(off / apart)};
   }
-  if (nearest > reach || gap < -deepest_in_radii * radius_ - touched.going()) return {};
-  each_particle(best, [&](Index i, double share) { best.slide += share * touched.dt() * touched.velocity(i); });
-  best.need = best.normal.dot(best.slide) + std::min(0.0, (1.0 - parted_share) * gap) - gap;
-  return best;
+  const Faced* best = nullptr;
+  for (const Faced& faced : faced_) {
+    if (faced.apart > nearest + tie || faced.apart > reach) continue;
+    const auto rank = [](const Faced& own) { return std::pair(-own.facing, own.triangle); };
+    if (best == nullptr || rank(faced) < rank(*best)) best = &faced;
+  }
+  if (best == nullptr || best->gap < -deepest_in_radii * radius_ - touched.going()) return {};
+  Touch touch{
+      .node = node, .corner = surface_->triangles[best->triangle].corner, .share = best->share, .normal = best->normal};
+  each_particle(touch, [&](Index i, double share) { touch.slide += share * touched.dt() * touched.velocity(i); });
+  touch.need = touch.normal.dot(touch.slide) + std::min(0.0, (1.0 - parted_share) * best->gap) - best->gap;
+  return touch;
 }
 
 void ThreadContacts::find_facing(const ThreadRod& rod, Index first, Index last, const TouchedParticles& touched) {

@@ -55,12 +55,22 @@ class ThreadContacts {
     double rubbing = 0.0;           // N/m, of what acts against sliding
   };
 
+  struct Near {
+    Index triangle = -1;
+    double apart = 0.0;  // m
+  };
+  struct Faced {
+    Index triangle = -1;
+    double apart = 0.0, facing = 0.0, gap = 0.0;  // m, cosine, m
+    Vec3 share{0, 0, 0}, normal{0, 0, 0};
+  };
+
   Vec3 corner_place(Index corner, const PredictedStep& step) const;
   template <class Visit>
   void each_particle(const Touch& touch, Visit visit) const;
   bool knows_near(const ThreadRod& rod, double reach, const TouchedParticles& touched);
   void find_near(const ThreadRod& rod, double reach, const TouchedParticles& touched);
-  std::optional<Touch> facing(Index node, const Vec3& place, double reach, const TouchedParticles& touched) const;
+  std::optional<Touch> facing(Index node, const Vec3& place, double reach, const TouchedParticles& touched);
   void find_facing(const ThreadRod& rod, Index first, Index last, const TouchedParticles& touched);
   bool measure(Touch& touch, const ThreadSupport& tool, const ThreadRod& rod) const;
   bool rub(Touch& touch, const ThreadRod& rod) const;
@@ -71,6 +81,7 @@ class ThreadContacts {
   double radius_, segment_, friction_, stiffest_;  // m, m, Coulomb's, N/m
   std::shared_ptr<const ContactSurface> surface_;
   std::vector<Touch> touches_, before_;  // of this round and the one before, by node and tool
+  std::vector<Faced> faced_;             // by the node at hand
   std::vector<Touch> facing_;            // of the step, by node: tissue that it may touch
   std::vector<ThreadRod::Push> pushes_;  // [touches_]
   std::vector<double> crowd_;            // [N] of the body; 0 between steps
@@ -81,7 +92,7 @@ class ThreadContacts {
   VecList then_;                      // m, of the nodes
   std::vector<double> clear_;         // m [nodes]: no triangle is nearer
   std::vector<std::size_t> first_;    // [nodes + 1] in near_
-  std::vector<Index> near_;           // triangles
+  std::vector<Near> near_;            // of each node the nearest first
 };
 
 }  // namespace phymul
