@@ -45,6 +45,10 @@ class Skin {
   std::span<const double> weights(std::size_t point) const { return {weight_.data() + first_[point], count(point)}; }
 
  private:
+  friend class StateTransfer;
+  /// The particles of another body, each in the cell that holds its tissue; those without mass are bound to nothing.
+  Skin(const Model& model, const Model& other, double most_outside);
+  void bind(std::span<const Index> particles, std::span<const double> weights);
   std::size_t count(std::size_t point) const { return first_[point + 1] - first_[point]; }
 
   std::size_t particle_count_ = 0;

@@ -74,6 +74,15 @@ struct Snapshot {
   /// [N] m, or empty: displacements from rest of a backend in single precision. rest + displacement, rounded to
   /// position, would lose bits of it.
   VecList displacement;
+  /// Of a Simulation that has not stepped since it was made, set_state() or solve_static(): where its first step
+  /// begins. Simulation::restore() takes it; a solver by itself goes on from `state`.
+  struct Start {
+    VecList position{};  ///< [N] m, or empty: there is none
+    VecList velocity{};  ///< [N] m/s, at State::time
+    double dt = 0.0;     ///< s, of the step before which State::velocity is; 0: those of State::time
+    bool operator==(const Start&) const = default;
+  };
+  Start start;
   /// Further memory of a backend, each with its name.
   struct Part {
     std::string name;
@@ -94,8 +103,8 @@ struct Snapshot {
 };
 inline bool operator==(const Snapshot& a, const Snapshot& b) {
   const auto members = [](const Snapshot& of) {
-    return std::tie(of.state, of.last_dt, of.steps_at_rest, of.growth, of.max_speed, of.displacement, of.parts,
-                    of.tools, of.removed_cells, of.joints, of.topology_hash, of.backend);
+    return std::tie(of.state, of.last_dt, of.steps_at_rest, of.growth, of.max_speed, of.displacement, of.start,
+                    of.parts, of.tools, of.removed_cells, of.joints, of.topology_hash, of.backend);
   };
   return members(a) == members(b) && equal_cuts(a.cuts, b.cuts) &&
          (a.scene && b.scene ? *a.scene == *b.scene : a.scene == b.scene);

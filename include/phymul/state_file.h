@@ -38,7 +38,8 @@ class StateHistory {
   /// Call it after each step() with its report (that of step(0, dt) for the start). Keeps the solver's state the first
   /// time and after every `every` steps. Removes states later than the report's time. Throws Error, and changes
   /// nothing, if the solver's topology_hash() differs from that of the kept states: clear() first.
-  void follow(const Solver& solver, const StepReport& report);
+  /// `start`: of a Simulation, Snapshot::start.
+  void follow(const Solver& solver, const StepReport& report, const Snapshot::Start& start = {});
 
   /// The newest state at or before a time, s; null if there is none.
   const Snapshot* newest_at(double time) const;

@@ -41,7 +41,7 @@ class VtkSeries {
 void write_csv(const Model& model, const State& state, const std::string& path);
 
 /// The model with its rest shape moved to the state's positions: for writing the deformed body as PML, or going on
-/// from it as a new rest shape.
+/// from it as a new rest shape. Fibres of cells go along.
 Model deformed_model(const Model& model, const State& state);
 
 }  // namespace phymul

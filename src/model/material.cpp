@@ -68,7 +68,7 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
   if (material.thickness > 0.0 && model.dimension == 2) {
     throw Error(
         "set_material: expected a model in 3 dimensions for a material with a thickness (Law::walls), got one in "
-        "2; set the thickness to 0");
+        "2; set Model::dimension to 3 (a mesh in the plane z = 0 is read as a body in 2), or the thickness to 0");
   }
   if (!(model.most_mass_moved >= 0.0 && model.most_mass_moved < 1.0)) {
     throw Error("set_material: expected Model::most_mass_moved of at least 0 and below 1, got " +

@@ -154,6 +154,7 @@ PositionError position_error(const Model& model, std::span<const Vec3> position,
   double off = 0.0, moved = 0.0;
   for (Index i = 0; i < model.particle_count(); ++i) {
     if (!skip.empty() && skip[i] != 0) continue;
+    if (static_cast<std::size_t>(i) < model.mass.size() && model.mass[i] == 0.0) continue;
     const double length = distance(position[i], reference[i]);
     distances.push_back(length);
     off += length * length;

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -115,6 +116,11 @@ class CellSearch {
     }
   }
 
+  /// Of a cell, for any point; none where its map has none there.
+  Weights weights_in(Index cell, const Vec3& point) const {
+    return place_in(cell, box_of(model_.cells[cell]), point).weight;
+  }
+
   /// The cell that the point is in, or within `most_outside` least outside of.
   Place find(const Vec3& point, double most_outside) const {
     // Beyond a corner of a tetrahedron, whose sizes are its heights, its box is three times as near.
@@ -204,6 +210,77 @@ class CellSearch {
   VecList node_sides_;  // of the largest box in each
 };
 
+/// m at rest, well within the tissue of a cut cell: of its corners and the middles of its edges and faces, a little
+/// inside of it, the one farthest behind its cuts.
+Vec3 place_in_tissue(const Model& model, const Cell& cell) {
+  constexpr double inward = 0.1;
+  Vec3 best = Vec3::Zero();
+  double farthest = -std::numeric_limits<double>::infinity();
+  for (unsigned corners = 1; corners < 16; ++corners) {
+    double behind = std::numeric_limits<double>::infinity();
+    std::array<double, 4> weight{};
+    Vec3 place = Vec3::Zero();
+    for (std::size_t v = 0; v < 4; ++v) {
+      weight[v] = inward / 4.0 + (corners >> v & 1 ? (1.0 - inward) / std::popcount(corners) : 0.0);
+      place += weight[v] * model.rest[cell.particles[v]];
+    }
+    for (const CellCut& cut : cell.cuts) {
+      double value = 0.0, largest = 0.0;
+      for (std::size_t v = 0; v < 4; ++v) value += weight[v] * cut[v], largest = std::max(largest, std::abs(cut[v]));
+      behind = std::min(behind, value / largest);
+    }
+    if (behind > farthest) farthest = behind, best = place;
+  }
+  return best;
+}
+
+/// [N] m at rest: of each particle its place, but where that is beyond a cut or near one a place in the cell of it
+/// that has most tissue.
+VecList places_in_tissue(const Model& model) {
+  VecList places = model.rest;
+  std::vector<char> beside_cut(places.size(), 0);
+  const auto is_cut = [](const Cell& cell) { return cell.type == CellType::tetrahedron && !cell.cuts.empty(); };
+  for (const Cell& cell : model.cells) {
+    if (!is_cut(cell) || cell.share == 0.0) continue;
+    for (const CellCut& cut : cell.cuts) {
+      double largest = 0.0;
+      for (const double value : cut) largest = std::max(largest, std::abs(value));
+      for (std::size_t v = 0; v < 4; ++v) {
+        if (!(cut[v] > 0.25 * largest)) beside_cut[cell.particles[v]] = 1;
+      }
+    }
+  }
+  std::vector<double> most(places.size(), 0.0);
+  for (const Cell& cell : model.cells) {
+    if (!is_solid(3, cell)) continue;
+    const double volume = std::abs(signed_measure(3, cell, model.rest));
+    for (const Index i : cell.particles) {
+      if (beside_cut[i] == 0 || volume <= most[i]) continue;
+      most[i] = volume;
+      places[i] = is_cut(cell) ? place_in_tissue(model, cell) : cell_centre(cell, model.rest);
+    }
+  }
+  return places;
+}
+
+/// Of a point at `at`, whose cell is sought at `tissue`.
+Place place_of_point(const CellSearch& search, std::size_t point, const Vec3& at, const Vec3& tissue,
+                     double most_outside) {
+  Place place = tissue.allFinite() ? search.find(tissue, most_outside) : Place{};
+  if (!(place.outside <= most_outside)) {
+    throw Error(ErrorCode::invalid_argument,
+                "Skin: point " + std::to_string(point) + " at " + place_text(at) + " is not within " +
+                    to_decimal(most_outside) +
+                    " cells of the body; expected points in the frame and units (m) of Model::rest. Where the body "
+                    "lacks a thin part, take a smaller spacing or a larger most_outside");
+  }
+  if (at != tissue) {
+    const Weights there = search.weights_in(place.cell, at);
+    if (there != Weights{}) place.weight = there;
+  }
+  return place;
+}
+
 std::uint64_t hash_of(const VecList& rest) {
   Fnv hash;
   hash.add(rest);
@@ -212,24 +289,32 @@ std::uint64_t hash_of(const VecList& rest) {
 
 }  // namespace
 
+void Skin::bind(std::span<const Index> particles, std::span<const double> weights) {
+  particle_.insert(particle_.end(), particles.begin(), particles.end());
+  weight_.insert(weight_.end(), weights.begin(), weights.begin() + static_cast<std::ptrdiff_t>(particles.size()));
+}
+
 Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside)
     : particle_count_(model.rest.size()), rest_hash_(hash_of(model.rest)) {
   const CellSearch search(model);
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Vec3& point = points[k];
-    const Place place = point.allFinite() ? search.find(point, most_outside) : Place{};
-    if (!(place.outside <= most_outside)) {
-      throw Error(ErrorCode::invalid_argument,
-                  "Skin: point " + std::to_string(k) + " at " + place_text(point) + " is not within " +
-                      to_decimal(most_outside) +
-                      " cells of the body; expected points in the frame and units (m) of Model::rest. Where the body "
-                      "lacks a thin part, take a smaller spacing or a larger most_outside");
-    }
-    const std::vector<Index>& vertices = model.cells[place.cell].particles;
-    particle_.insert(particle_.end(), vertices.begin(), vertices.end());
-    weight_.insert(weight_.end(), place.weight.begin(), place.weight.begin() + vertices.size());
+    const Place place = place_of_point(search, k, points[k], points[k], most_outside);
+    bind(model.cells[place.cell].particles, place.weight);
     first_.push_back(particle_.size());
     farthest_outside_ = std::max(farthest_outside_, place.outside);
+  }
+}
+
+Skin::Skin(const Model& model, const Model& other, double most_outside)
+    : particle_count_(model.rest.size()), rest_hash_(hash_of(model.rest)) {
+  const CellSearch search(model);
+  const VecList tissue = places_in_tissue(other);
+  for (std::size_t i = 0; i < tissue.size(); ++i) {
+    if (other.mass[i] > 0.0) {
+      const Place place = place_of_point(search, i, other.rest[i], tissue[i], most_outside);
+      bind(model.cells[place.cell].particles, place.weight);
+    }
+    first_.push_back(particle_.size());
   }
 }
 

@@ -7,7 +7,7 @@
 namespace phymul {
 
 StateTransfer::StateTransfer(const Model& from, const Model& to, double most_outside)
-    : skin_(from, to.rest, most_outside), from_(from.rest), to_(to.rest) {}
+    : skin_(from, to, most_outside), from_(from.rest), to_(to.rest) {}
 
 State StateTransfer::operator()(const State& state) const {
   const std::size_t count = from_.size();
@@ -24,8 +24,14 @@ State StateTransfer::operator()(const State& state) const {
   for (ToolState& tool : result.tools) {
     if (!tool.held.empty()) refuse("the tool \"" + tool.name + "\" holds particles");
     if (!tool.needle.hole.empty()) refuse("the needle \"" + tool.name + "\" is in the body");
+    if (!tool.blade.empty()) refuse("the blade \"" + tool.name + "\" is in the body");
     tool.placed = true;
   }
+  for (const ThreadState& thread : state.threads) {
+    if (!thread.sewn.empty()) refuse("a needle has sewn the thread \"" + thread.name + '"');
+  }
+  result.threads = state.threads;
+  result.fluids = state.fluids;
   for (const JointState& joint : state.joints) {
     if (!joint.broken.empty()) refuse("the joint \"" + joint.name + "\" has broken springs");
   }

@@ -74,6 +74,7 @@ Scene& Scene::scale_stiffness(const Material& material, double factor) {
 Scene& Scene::tear(const Tearing& law) {
   require_tearing(*model_, law);
   tearing_.assign(law.toughness > 0.0 ? model_->materials.size() : 0, law);
+  ++version_;
   return *this;
 }
 
@@ -83,6 +84,7 @@ Scene& Scene::tear(const Material& material, const Tearing& law) {
   tearing_.resize(model_->materials.size());
   tearing_[row] = law;
   if (std::ranges::all_of(tearing_, [](const Tearing& own) { return own.toughness == 0.0; })) tearing_.clear();
+  ++version_;
   return *this;
 }
 

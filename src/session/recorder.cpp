@@ -216,6 +216,7 @@ void Recorder::restore(const Snapshot& snapshot) {
   if (scene_version_ != changes_of(scene_)) {
     record(input_kind::scene, scene_change_bytes(scene_, *before_, true));
     keep_scene();
+    see_threads();  // it has them
   }
   keep_body();
   record_scene();

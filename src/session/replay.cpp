@@ -212,6 +212,7 @@ void Replay::run() {
 
 void Replay::skip_to(std::uint64_t position) {
   if (position < position_) {
+    make_body(recording_.start.removed_cells, recording_.start.cuts);
     start_scene();
     row_ = 0;
     done_ = position_ = 0;
@@ -223,8 +224,13 @@ void Replay::skip_to(std::uint64_t position) {
     }
     const Input& input = recording_.inputs[row_];
     const bool of_scene = input.kind == input_kind::scene || input.kind == input_kind::removed ||
-                          input.kind == input_kind::pose || input.kind == input_kind::grasp ||
-                          input.kind == input_kind::thread;
+                          input.kind == input_kind::cut || input.kind == input_kind::pose ||
+                          input.kind == input_kind::grasp || input.kind == input_kind::thread;
+    if (input.kind == input_kind::restore) {
+      ByteReader in = reader(input);
+      const Snapshot snapshot = take_snapshot(in);
+      make_body(snapshot.removed_cells, snapshot.cuts);
+    }
     if (of_scene) {
       perform(input);
       advance();

@@ -135,6 +135,24 @@ bool yes(ByteReader& in, const char* what) {
   return value;
 }
 
+template <class Bytes, class Laws>
+void tearing_fields(Bytes& bytes, Laws& laws) {
+  bytes.list(laws, 16, "a number of laws of tearing", [&](auto& law) {
+    bytes.field(law.toughness, "a toughness");
+    bytes.field(law.radius, "a radius");
+  });
+}
+
+void take_tearing(ByteReader& in, Scene& scene) {
+  std::vector<Tearing> laws;
+  tearing_fields(in, laws);
+  if (!laws.empty() && laws.size() != scene.model().materials.size()) {
+    in.fail("expected a law of tearing for each material, got " + std::to_string(laws.size()));
+  }
+  if (laws.empty()) scene.tear({});
+  for (std::size_t row = 0; row < laws.size(); ++row) scene.tear(scene.model().materials[row], laws[row]);
+}
+
 void take_contacts(ByteReader& in, Scene& scene) {
   if (!yes(in, "whether there are contacts")) {
     if (scene.contacts()) scene.no_contacts();
@@ -249,6 +267,7 @@ SceneBefore scene_as_it_is(const Scene& scene) {
   now.volumes = scene.volume_constraints();
   for (const SceneTool& tool : scene.tools()) now.tools.push_back(tool.id);
   for (const SceneJoint& joint : scene.joints()) now.joints.push_back({joint.id, joint_value_bytes(joint.joint)});
+  now.tearing = scene.tearing();
   return now;
 }
 
@@ -284,10 +303,12 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
     tool_fields(out, there);
   }
   put_new_joints(out, scene, from);
-  const bool volumes = from.volumes != scene.volume_constraints();
+  const bool tears = from.tearing != scene.tearing();
+  const bool volumes = tears || from.volumes != scene.volume_constraints();
   if (anew) out.u64(0);  // kept volumes where files had them before fluids
   if (anew && (volumes || !scene.threads().empty())) put_threads(out, scene.threads());
   if (volumes) put_volumes(out, scene, from.volumes);
+  if (tears) tearing_fields(out, scene.tearing());  // last: files written before do not have it
   return out.bytes();
 }
 
@@ -329,6 +350,7 @@ void change_scene(Scene& scene, ByteReader& in) {
   }
   if (anew && in.remaining() > 0) add_threads(in, scene);
   if (in.remaining() > 0) take_volumes(in, scene);
+  if (in.remaining() > 0) take_tearing(in, scene);
   in.expect_end("a change of the scene");
 }
 

@@ -4,8 +4,8 @@
 // the factors of the materials' stiffness (count, f64 each), the number of loads (u64), the changed ones (count, then
 // row and load each), the joints that stay, by name, with their stiffness, damping and rest lengths where these
 // changed, all tools by name, with what they are where they are new, the new joints, after an empty scene a number of
-// kept volumes (0, but in older files) and the threads, if anything follows, and all volumes, if some changed. Later
-// changes of threads are inputs of their own.
+// kept volumes (0, but in older files) and the threads, if anything follows, all volumes, if some or the laws of tearing
+// changed, and these laws, if they did. Later changes of threads are inputs of their own.
 #pragma once
 
 #include <phymul/scene.h>
@@ -27,6 +27,7 @@ struct SceneBefore {
     std::string values;    ///< stiffness, damping, rest lengths
   };
   std::vector<Joint> joints;
+  std::vector<Tearing> tearing;
 };
 SceneBefore scene_as_it_is(const Scene& scene);
 

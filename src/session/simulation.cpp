@@ -97,13 +97,32 @@ double Simulation::Parts::step_limit(double seconds) {
   return std::isfinite(limit) ? limit : step_without_stiffness;
 }
 
-bool Simulation::Parts::is_at_start() {
+bool Simulation::Parts::is_at_start(const Snapshot& now) const {
   if (!started) return false;
-  const Snapshot now = solver().snapshot();
   const State& taken = started->taken;
   return now.last_dt == 0.0 && now.state.time == taken.time && now.state.position == taken.position &&
          now.state.velocity == taken.velocity && now.state.joints == taken.joints &&
          now.state.threads == taken.threads && now.state.fluids == taken.fluids;
+}
+
+Snapshot Simulation::Parts::snapshot() {
+  Snapshot now = solver().snapshot();
+  if (is_at_start(now)) now.start = {started->wanted.position, started->wanted.velocity, started->dt};
+  return now;
+}
+
+void Simulation::Parts::begin_again(const Snapshot& there) {
+  started.reset();
+  if (!there.start.position.empty()) {
+    started = Start{.wanted = there.state, .taken = solver().read(), .dt = there.start.dt};
+    started->wanted.position = there.start.position;
+    started->wanted.velocity = there.start.velocity;
+  }
+  state_changed();
+}
+
+void Simulation::Parts::follow_history(const StepReport& report) {
+  if (history) history->follow(solver(), report, report.steps == 0 ? snapshot().start : Snapshot::Start{});
 }
 
 void Simulation::Parts::start(const State& state) {
@@ -145,7 +164,7 @@ void Simulation::Parts::begin(double dt) {
   solver();
   if (!started || !(dt > 0.0) || !std::isfinite(dt)) return;
   // Solver::start() would undo what tools were told since.
-  const bool converts = started->dt != dt && scene.tools().empty() && is_at_start();
+  const bool converts = started->dt != dt && scene.tools().empty() && is_at_start(solver().snapshot());
   if (converts) {
     solver().start(started->wanted, dt);
     started->taken = solver().read();
@@ -168,7 +187,7 @@ StepReport Simulation::Parts::step(int n, double dt) {
   if (report.steps > 0) started.reset();
   if (report.ok()) cut_with_blades(report);
   if (report.ok()) tear(report);
-  if (history) history->follow(solver(), report);
+  follow_history(report);
   return report;
 }
 
@@ -182,7 +201,7 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Dampin
     result.status = RestStatus::step_limit;
     result.report.at_rest = false;
   }
-  if (history) history->follow(solver(), result.report);
+  follow_history(result.report);
   return result;
 }
 
@@ -254,7 +273,7 @@ double Simulation::time() const {
 State Simulation::state() const {
   Snapshot now = solver().snapshot();
   State& state = now.state;
-  if (parts_->is_at_start()) {
+  if (parts_->is_at_start(now)) {
     state.velocity = parts_->started->wanted.velocity;
   } else if (now.last_dt > 0.0) {
     const double d = solver().options().damping.factor_at(now.last_dt);
@@ -298,17 +317,17 @@ const JointReport& Simulation::report_of(const JointHandle& joint) const {
 }
 
 Snapshot Simulation::snapshot() const {
-  return solver().snapshot();
+  return parts_->snapshot();
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
   parts_->bring_back(snapshot);
   parts_->solver().restore(snapshot);
-  parts_->state_changed();
+  parts_->begin_again(snapshot);
 }
 
 void Simulation::save(const std::string& path) const {
-  save_state(solver(), path);
+  save_state(snapshot(), path);
 }
 
 void Simulation::load(const std::string& path) {
@@ -330,7 +349,7 @@ bool Simulation::rewind(double time) {
   if (found == nullptr) return false;
   parts_->bring_back(*found);
   parts_->history->rewind(parts_->solver(), time);
-  parts_->state_changed();
+  parts_->begin_again(*found);
   return true;
 }
 
@@ -345,8 +364,11 @@ const Recording& Simulation::recording() const {
 }
 
 void Simulation::replay(Recording recording) {
+  const Snapshot& start = recording.start;
+  if (fingerprint(*parts_->topology, start.removed_cells, start.cuts) == recording.topology_hash) {
+    parts_->set_body(start.removed_cells, start.cuts);
+  }  // else Replay says so
   parts_->recorder.reset();
-  parts_->set_body(recording.start.removed_cells, recording.start.cuts);
   Replay replay(std::move(recording), parts_->solver(), scene());
   replay.on_body = [this](const std::vector<Index>& removed, const BodyCuts& cuts) { parts_->set_body(removed, cuts); };
   replay.run();

@@ -32,7 +32,11 @@ struct Simulation::Parts {
   /// too, and velocities are 0.
   void start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
                      const std::vector<JointReport>& of_joints);
-  bool is_at_start();  ///< no step was taken since start(), and the solver was given no other state
+  /// Whether no step was taken since start() before this present state, and the solver was given no other one.
+  bool is_at_start(const Snapshot& now) const;
+  Snapshot snapshot();                      ///< with Snapshot::start
+  void begin_again(const Snapshot& there);  ///< after the solver was given it
+  void follow_history(const StepReport& report);
   /// Gives the scene the tools, joints and target poses of a snapshot, unless it is of another body.
   void bring_back(const Snapshot& snapshot);
   BodyEdit& body_edit();  ///< made by the first call

@@ -20,7 +20,7 @@ namespace {
 constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
                      *cuts_part = "cuts", *blades_part = "blades", *threads_part = "threads",
                      *scene_threads_part = "scene threads", *fluids_part = "fluids", *sewn_part = "sewn passages",
-                     *needles_part = "needles";
+                     *needles_part = "needles", *start_part = "start";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -153,8 +153,10 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   const bool fluids = !snapshot.state.fluids.empty();
   const bool needles = std::ranges::any_of(snapshot.state.tools, has_needle_fields);
   const bool sewn = std::ranges::any_of(snapshot.state.threads, [](const ThreadState& t) { return !t.sewn.empty(); });
-  const std::array<bool, 10> further{
-      moved, with_scene, removed, !snapshot.cuts.empty(), blades, threads, scene_threads, fluids, needles, sewn};
+  const bool starts = !snapshot.start.position.empty();
+  const std::array<bool, 11> further{moved,   with_scene, removed,       !snapshot.cuts.empty(),
+                                     blades,  threads,    scene_threads, fluids,
+                                     needles, sewn,       starts};
   out.u64(snapshot.parts.size() + static_cast<std::size_t>(std::ranges::count(further, true)));
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
@@ -214,6 +216,14 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     needle_fields(holes, snapshot.state.tools);
     out.text(needles_part);
     out.text(holes.bytes());
+  }
+  if (starts) {
+    ByteWriter start;
+    start.real(snapshot.start.dt);
+    start.vectors(snapshot.start.position);
+    start.vectors(snapshot.start.velocity);
+    out.text(start_part);
+    out.text(start.bytes());
   }
   if (!moved) return;
   ByteWriter motion;
@@ -304,6 +314,16 @@ Snapshot take_snapshot(ByteReader& in) {
     if (part.name == needles_part) {
       needle_fields(bytes, snapshot.state.tools);
       bytes.expect_end("the needles");
+      continue;
+    }
+    if (part.name == start_part) {
+      Snapshot::Start& start = snapshot.start;
+      start.dt = bytes.real("a step");
+      start.position = bytes.vectors(count, "positions");
+      start.velocity = bytes.vectors(count, "velocities");
+      bytes.expect_end("the start");
+      const bool sound = all_finite(start.position) && all_finite(start.velocity) && start.dt >= 0.0;
+      if (!sound || !std::isfinite(start.dt)) in.fail("expected finite numbers where the first step begins");
       continue;
     }
     if (part.name == motion_part) {

@@ -19,8 +19,9 @@ constexpr const char* body_tag = "body";
 constexpr const char* state_tag = "stat";
 
 std::size_t bytes_of(const Snapshot& snapshot) {
-  std::size_t bytes = sizeof(Snapshot) + sizeof(Vec3) * (snapshot.state.position.size() +
-                                                         snapshot.state.velocity.size() + snapshot.displacement.size());
+  std::size_t bytes =
+      sizeof(Snapshot) + sizeof(Vec3) * (snapshot.state.position.size() + snapshot.state.velocity.size() +
+                                         snapshot.displacement.size() + 2 * snapshot.start.position.size());
   for (const ToolState& tool : snapshot.state.tools) {
     bytes += sizeof tool + tool.name.size() + tool.held.size() * (sizeof(Index) + sizeof(Vec3));
     bytes += tool.needle.shaft.size() * sizeof(ShaftLoad) + tool.blade.size() * sizeof(BladePoint);
@@ -102,7 +103,7 @@ void StateHistory::drop_after(double time) {
   }
 }
 
-void StateHistory::follow(const Solver& solver, const StepReport& report) {
+void StateHistory::follow(const Solver& solver, const StepReport& report, const Snapshot::Start& start) {
   const bool same_body =
       states_.empty() || states_.back().topology_hash == solver.topology_hash() ||
       states_.back().topology_hash == fingerprint(solver.topology(), states_.back().removed_cells, states_.back().cuts);
@@ -116,6 +117,7 @@ void StateHistory::follow(const Solver& solver, const StepReport& report) {
   since_ += report.steps;
   if (!states_.empty() && since_ < every_) return;
   Snapshot now = solver.snapshot();
+  now.start = start;
   bytes_ += bytes_of(now);
   states_.push_back(std::move(now));
   since_ = 0;

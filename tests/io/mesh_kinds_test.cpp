@@ -49,6 +49,18 @@ TEST(MeshKinds, WhatIsNoVolumeIsLeftOutWithANote) {
   EXPECT_TRUE(refuses([&] { read_vtk({skin, polygon}); }, "faces of 3 or 4 corners, or lines), got 1 polygon"));
 }
 
+TEST(MeshKinds, AFlatSheetBecomesAWallInThreeDimensions) {
+  Model sheet = mesh_from_bytes("t.vtk",
+                                "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 double\n"
+                                "0 0 0 1 0 0 0 1 0\nCELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n",
+                                {});
+  const Material wall{.young = 1e4, .poisson = 0.3, .density = 1000.0, .thickness = 1e-3};
+  EXPECT_TRUE(refuses([&] { set_material(sheet, wall); }, "got one in 2; set Model::dimension to 3 ("));
+  sheet.dimension = 3;
+  set_material(sheet, wall);
+  EXPECT_TRUE(has_walls(sheet));
+}
+
 TEST(MeshKinds, OfSecondOrderCellsTheCornersAreTaken) {
   using enum CellType;
   const CellType types[] = {tetrahedron, hexahedron, wedge, pyramid, hexahedron, wedge, wedge, hexahedron, pyramid};

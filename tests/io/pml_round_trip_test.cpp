@@ -2,8 +2,10 @@
 #include <phymul/body.h>
 #include <phymul/pml.h>
 #include <phymul/shapes.h>
+#include <phymul/simulation.h>
 #include <phymul/wall.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -73,6 +75,16 @@ TEST(PmlRoundTrip, CutAndRemovedCells) {
     EXPECT_EQ(again, cut);
     EXPECT_EQ(again.cells, cut.cells);
   }
+}
+
+/// Particles of which a simulation has removed all cells have no mass, and are among the others.
+TEST(PmlRoundTrip, ParticlesWithoutACell) {
+  Model block = make_tetrahedral_block({0.03, 0.03, 0.03}, 3, 3, 3, 0.2, 7);
+  set_material(block, {3e3, 0.45, 1100});
+  Simulation sim(std::move(block), {.backend = "reference"});
+  sim.remove_cells(sim.model().cells_in([](const Vec3& x) { return x.norm() < 0.02; }));
+  ASSERT_GT(std::ranges::count(sim.model().mass, 0.0), 0);
+  EXPECT_EQ(reread(sim.model()), sim.model());
 }
 
 TEST(PmlRoundTrip, UnknownAttributesNamesAndColours) {

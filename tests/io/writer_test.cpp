@@ -202,6 +202,19 @@ TEST(Writer, DeformedModelHasTheStateAsItsRestShape) {
   EXPECT_EQ(deformed.neighbours, model.neighbours);
 }
 
+TEST(Writer, DeformedModelTakesItsFibresAlong) {
+  for (Model model :
+       {make_block({0.03, 0.02, 0.01}, 2, 1, 1), make_tetrahedral_block({0.03, 0.02, 0.01}, 2, 1, 1, 0.1, 3)}) {
+    for (Cell& cell : model.cells) cell.fibre = {2, 0, 0};
+    Mat3 motion;
+    motion << 0, -1, 0.3, 1.5, 0, 0, 0, 0, 0.9;
+    State state = rest_state(model);
+    for (Vec3& x : state.position) x = motion * x + Vec3(1, 2, 3);
+    const Model deformed = deformed_model(model, state);
+    for (const Cell& cell : deformed.cells) EXPECT_LT((cell.fibre - Vec3(0, 3, 0)).norm(), 1e-10);
+  }
+}
+
 TEST(Writer, RefusesAStateOfAnotherModel) {
   const Model model = make_block({0.03, 0.02, 0.01}, 2, 1, 1);
   const State other = rest_state(make_block({0.03, 0.02, 0.01}, 1, 1, 1));
@@ -217,7 +230,8 @@ TEST(Writer, RefusesFieldsWithoutANameOfTheirOwn) {
   const Model model = make_block({0.03, 0.02, 0.01}, 1, 1, 1);
   const TextFile file("fields.vtu", "as it was");
   const std::vector<double> values(8, 1.0);
-  const std::vector<std::vector<phymul::Field>> bad{{{"", values}}, {{"mass", values}}, {{"a", values}, {"a", values}}};
+  const std::vector<std::vector<phymul::Field>> bad{
+      {{"", values}}, {{"mass", values}}, {{"a", values}, {"a", values}}, {{"group:x0", values}}};
   for (const std::vector<phymul::Field>& fields : bad) {
     EXPECT_THROW(write_vtu(model, rest_state(model), file.path(), fields), Error);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <phymul/body.h>
 #include <phymul/monitor.h>
 #include <phymul/shapes.h>
 
@@ -119,6 +120,21 @@ TEST(PositionError, PercentilesByNearestRank) {
   EXPECT_DOUBLE_EQ(error.p95, 0.38);
   EXPECT_DOUBLE_EQ(error.median_ren, 0.20);
   EXPECT_DOUBLE_EQ(error.max, 0.40);
+}
+
+TEST(PositionError, ParticlesWithoutMassDoNotCount) {
+  const Model whole = make_tetrahedral_block({1, 1, 1}, 3, 3, 3, 0.1, 3), spare = with_spare_particles(whole, 300);
+  const auto error_of = [](const Model& model) {
+    VecList reference = model.rest, position = model.rest;
+    for (std::size_t i = 0; i < model.rest.size(); ++i) {
+      if (model.mass[i] == 0.0) continue;
+      reference[i].z() += 0.1;
+      position[i].z() += 0.1 + 0.001 * static_cast<double>(i);
+    }
+    return position_error(model, position, reference);
+  };
+  EXPECT_EQ(error_of(spare).p95, error_of(whole).p95);
+  EXPECT_EQ(error_of(spare).global_ratio, error_of(whole).global_ratio);
 }
 
 TEST(PositionError, NotANumberIsTheWorst) {

@@ -204,6 +204,70 @@ TEST(StateTransfer, RefusesWhatNamesParticles) {
   EXPECT_TRUE(refuses([&] { StateTransfer(body, far); }, "not within 1 cells of the body"));
 }
 
+/// Both bodies are cut in two, and one half has gone: each particle of the other body goes with its own half.
+TEST(StateTransfer, KeepsACutOpen) {
+  const CutSurface plane = cut_plane({0.031, 0, 0}, {1, 0.2, 0.1});
+  const auto cut = [&](int n, std::uint32_t seed) {
+    return cut_body(make_tetrahedral_block({0.06, 0.04, 0.03}, 2 * n, n + 1, n, 0.2, seed), plane);
+  };
+  const auto gone = [&](const Model& model) {
+    State state = rest_state(model);
+    const std::vector<ConnectedBody> halves = connected_bodies(model);
+    EXPECT_EQ(halves.size(), 2u);
+    for (const ConnectedBody& half : halves) {
+      double distance = 0.0;
+      for (const Index row : half.cells) distance += plane.distance(model.rest[model.cells[row].particles[0]]);
+      for (const Index i : half.particles) state.position[i].z() += distance > 0.0 ? 0.02 : 0.0;
+    }
+    return state;
+  };
+  for (const auto& [from, to] : {std::pair{cut(3, 7), cut(5, 3)}, {cut(5, 3), cut(3, 7)}, {cut(4, 1), cut(4, 1)}}) {
+    const State there = StateTransfer(from, to)(gone(from)), expected = gone(to);
+    int wrong = 0;
+    for (std::size_t i = 0; i < to.rest.size(); ++i) {
+      wrong += (there.position[i] - expected.position[i]).norm() > 1e-9 ? 1 : 0;
+    }
+    EXPECT_EQ(wrong, 0) << "of " << to.rest.size();
+  }
+}
+
+/// Spare particles, and those where a hole is that both bodies have.
+TEST(StateTransfer, LeavesParticlesWithoutMassAtRest) {
+  const auto holed = [](int n) {
+    Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.04}, n + 2, n, n, 0.2, 3), 5),
+                   {.material = {5e3, 0.4, 1000.0}, .backend = "reference"});
+    sim.remove_cells(sim.model().cells_in([](const Vec3& x) { return x.x() < 0.025; }));
+    return sim.model();
+  };
+  const Model from = holed(7), to = holed(8);
+  ASSERT_GT(std::ranges::count(to.mass, 0.0), 80);
+  State state = rest_state(from);
+  for (Vec3& x : state.position) x.z() += 0.01;
+  for (Vec3& v : state.velocity) v.z() = 1.0;
+  const State there = StateTransfer(from, to, 2.0)(state);
+  for (std::size_t i = 0; i < to.rest.size(); ++i) {
+    const double moved = to.mass[i] > 0.0 ? 1.0 : 0.0;
+    ASSERT_NEAR(there.position[i].z() - to.rest[i].z(), 0.01 * moved, 1e-12) << i;
+    ASSERT_NEAR(there.velocity[i].z(), moved, 1e-12) << i;
+  }
+}
+
+TEST(StateTransfer, CarriesThreadsAndFluidsAlong) {
+  const Model body = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  State state = rest_state(body);
+  state.threads.push_back({.name = "suture", .position = {{0, 0, 1}, {0, 0, 2}}, .tension = {0.5}});
+  state.fluids.push_back({.name = "bile", .volume = 2e-5, .pressure = 30.0});
+  const StateTransfer transfer(body, body);
+  EXPECT_EQ(transfer(state).threads, state.threads);
+  EXPECT_EQ(transfer(state).fluids, state.fluids);
+  state.threads[0].sewn.push_back(at_particle(3));
+  EXPECT_TRUE(refuses([&] { transfer(state); }, "a needle has sewn the thread \"suture\", which names particles"));
+  state.threads.clear();
+  state.tools.push_back({.name = "scalpel"});
+  state.tools[0].blade.push_back({.place = 0, .cell = 3});
+  EXPECT_TRUE(refuses([&] { transfer(state); }, "the blade \"scalpel\" is in the body"));
+}
+
 }  // namespace
 
 }  // namespace phymul::test

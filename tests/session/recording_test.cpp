@@ -278,6 +278,69 @@ TEST_F(RecordingTest, OtherOptionsAndOtherBodiesAreRefused) {
   EXPECT_TRUE(refuses([&] { recorder.note("step", ""); }, "four letters"));
 }
 
+/// Cells that another body has not, and as many particles: nothing is looked up in it, and nothing is changed.
+TEST(RecordingOfACut, IsRefusedByAnotherBody) {
+  const auto body = [](int n, std::uint32_t seed) {
+    return Simulation(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.03}, n, n, n, 0.2, seed), 300),
+                      {.material = {5e3, 0.4, 1000.0}, .backend = "reference"});
+  };
+  Simulation sim = body(4, 7);
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0, 0}, {1, 0.2, 0.1})));
+  sim.remove_cells(std::vector<Index>{200});
+  sim.record();
+  for (const int n : {4, 2}) {
+    Simulation other = body(n, 8);
+    const Snapshot before = other.snapshot();
+    EXPECT_TRUE(refuses([&] { other.replay(sim.recording()); }, "Replay: the recording is of another body"));
+    EXPECT_TRUE(other.cuts().empty());
+    EXPECT_TRUE(other.removed_cells().empty());
+    EXPECT_EQ(other.snapshot(), before);
+  }
+}
+
+/// Forward and back: the body is cut as it was there.
+TEST(RecordingOfACut, IsSkippedToWithItsCuts) {
+  const auto body = [] {
+    Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.03}, 4, 3, 3, 0.2, 7), 300),
+                   {.material = {5e3, 0.4, 1000.0}, .backend = "reference"});
+    sim.scene().fix("x0").gravity({0, 0, -1});
+    return sim;
+  };
+  Simulation sim = body();
+  sim.record();
+  std::vector<std::uint64_t> at{0};
+  const auto go_on = [&] {
+    sim.step(2, 1e-4);
+    at.push_back(0);
+    for (const Input& input : sim.recording().inputs) at.back() += input.times;
+  };
+  go_on();
+  const Snapshot whole = sim.snapshot();
+  sim.cut(cut_plane({0.031, 0, 0}, {1, 0.2, 0.1}));
+  go_on();
+  sim.cut(cut_plane({0, 0.02, 0}, {0.1, 1, 0}));
+  go_on();
+  ASSERT_EQ(sim.cuts().size(), 2u);
+  sim.restore(whole);
+  go_on();
+  Simulation other = body();
+  Replay replay(sim.recording(), other.unrecorded_solver(), other.scene());
+  std::size_t cuts = 0;
+  replay.on_body = [&](const std::vector<Index>& removed, const BodyCuts& of) {
+    cuts = of.size();
+    Snapshot there = other.snapshot();
+    there.removed_cells = removed;
+    there.cuts = of;
+    there.topology_hash = fingerprint(other.solver().topology(), removed, of);
+    other.restore(there);
+  };
+  for (const auto& [place, expected] : {std::pair{2, 1u}, {3, 2u}, {1, 0u}, {2, 1u}, {4, 0u}, {2, 1u}, {0, 0u}}) {
+    replay.skip_to(at[place]);
+    EXPECT_EQ(cuts, expected) << place;
+    EXPECT_EQ(other.cuts().size(), expected) << place;
+  }
+}
+
 std::string small_recording() {
   const Model model = make_tetrahedron(0.01);
   Scene scene = Scene(model).gravity({0, 0, -1});

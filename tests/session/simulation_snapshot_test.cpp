@@ -3,7 +3,9 @@
 // Simulation: back to earlier states, from memory, files, the history and recordings. Bit for bit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <type_traits>
 
 #include "support/bodies.h"
@@ -134,6 +136,60 @@ TEST_P(SimulationSnapshot, ToolsAndJointsComeBack) {
   sim.replay(recording);
   EXPECT_EQ(sim.snapshot().state, end);
   EXPECT_THROW(sim.recording(), Error);
+}
+
+/// The first step begins with the velocities of half a step before, whichever step that is.
+TEST(SimulationStart, GoesOnFromSnapshotsAndFilesAsItDidItself) {
+  const auto make = [](const char* backend) {
+    Simulation sim(make_block({0.06, 0.02, 0.02}, 6, 2, 2),
+                   {.material = {.young = 5e3, .poisson = 0.4, .density = 1000}, .backend = backend});
+    sim.scene().fix("x0").gravity({0, 0, -3.0});
+    return sim;
+  };
+  const std::vector<std::pair<const char*, std::function<void(Simulation&)>>> starts{
+      {"made", [](Simulation&) {}},
+      {"set_state",
+       [](Simulation& sim) {
+         State state = rest_state(sim.model());
+         for (Vec3& x : state.position) x.z() *= 1.2;
+         for (Vec3& v : state.velocity) v.z() = 0.3;
+         sim.set_state(state);
+       }},
+      {"solve_static", [](Simulation& sim) { ASSERT_TRUE(sim.solve_static().converged()); }}};
+  const std::string path = (std::filesystem::temp_directory_path() / "phymul_start.state").string();
+  for (const char* backend : {"reference", "cpu"}) {
+    for (const auto& [name, start] : starts) {
+      SCOPED_TRACE(std::string(backend) + ", " + name);
+      Simulation sim = make(backend);
+      start(sim);
+      const Snapshot begin = sim.snapshot();
+      sim.save(path);
+      sim.keep_history(1);
+      sim.advance(7e-3);
+      const State end = sim.solver().read();
+      const auto apart = [&](const Simulation& other) {
+        double most = other.solver().read() == end ? 0.0 : 1e-300;
+        for (std::size_t i = 0; i < end.position.size(); ++i) {
+          most = std::max(most, (other.solver().read().position[i] - end.position[i]).norm());
+        }
+        return most;
+      };
+      sim.restore(begin);
+      EXPECT_EQ(sim.snapshot(), begin);
+      sim.advance(7e-3);
+      EXPECT_EQ(apart(sim), 0.0) << "after restore()";
+      ASSERT_TRUE(sim.rewind(0.0));
+      sim.advance(7e-3);
+      EXPECT_EQ(apart(sim), 0.0) << "after rewind()";
+      Simulation other = make(backend);
+      other.advance(5e-3);
+      other.load(path);
+      EXPECT_EQ(other.snapshot(), begin);
+      other.advance(7e-3);
+      EXPECT_EQ(apart(other), 0.0) << "after load()";
+    }
+  }
+  std::filesystem::remove(path);
 }
 
 TEST(SolverSnapshot, IsRefusedInAnotherScene) {

@@ -195,6 +195,17 @@ TEST(Tear, IsUndoneAndReplayed) {
   Simulation again = drawn_strip(0.006, 1, notch(0.018), {{0.0, 0.0}, {1.0, 0.01}});
   again.replay(sim.recording());
   EXPECT_EQ(again.snapshot(), sim.snapshot());
+
+  // The law is part of the scene: it tears on, and as it was changed meanwhile.
+  EXPECT_EQ(again.scene().tearing(), sim.scene().tearing());
+  sim.scene().tear(sim.model().materials[0], {.toughness = 0.5 * toughness, .radius = 0.01});
+  sim.step(1, 1e-5);
+  again.replay(sim.recording());
+  EXPECT_EQ(again.scene().tearing(), sim.scene().tearing());
+  sim.scene().tear({});
+  sim.step(1, 1e-5);
+  again.replay(sim.recording());
+  EXPECT_TRUE(again.scene().tearing().empty());
 }
 
 TEST(Tear, RefusesWhatItCannotDo) {

@@ -127,6 +127,28 @@ TEST(ThreadSession, RecordingsRepeatATipThatGoesFromToolToTool) {
   EXPECT_EQ(other.snapshot(), sim.snapshot());
 }
 
+/// One that was removed comes back, one that was added goes, one that was changed is as it was.
+TEST(ThreadSession, RecordingsRepeatWhatARestoreBringsBack) {
+  Simulation sim = wound_on("cpu");
+  const double dt = 0.4 * sim.solver().stable_step();
+  sim.record();
+  sew_on(sim.scene());
+  sim.step(10, dt);
+  const Snapshot with = sim.snapshot();
+  sim.scene().remove_thread("stitch");
+  sim.step(10, dt);
+  sim.restore(with);
+  sim.step(10, dt);
+  sim.scene().add_thread("free", {.length = 0.03}, {0, 0, 0.02}, {0, 1, 0});
+  sim.scene().thread("stitch").pull(ThreadTip::last, {0, 0, 0.02});
+  sim.step(10, dt);
+  sim.restore(with);
+  sim.step(10, dt);
+  Simulation other = wound_on("cpu");
+  other.replay(sim.recording());
+  EXPECT_EQ(other.snapshot(), sim.snapshot());
+}
+
 TEST(ThreadSession, TheNumberOfThreadsChangesNoBit) {
   std::vector<State> ends;
   for (const int threads : {1, 2, 3}) {

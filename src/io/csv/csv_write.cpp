@@ -2,11 +2,13 @@
 #include <phymul/error.h>
 #include <phymul/writer.h>
 
+#include <Eigen/QR>
 #include <array>
 #include <charconv>
 #include <ostream>
 
 #include "base/files.h"
+#include "model/cell_geometry.h"
 
 namespace phymul {
 namespace {
@@ -24,6 +26,17 @@ void require_size(const Model& model, const State& state, const char* caller) {
   throw Error(std::string(caller) + ": expected positions and velocities of " + std::to_string(model.rest.size()) +
               " particles, got " + std::to_string(state.position.size()) + " and " +
               std::to_string(state.velocity.size()) + "; give the state together with its own model");
+}
+
+/// The linear map that comes nearest to the way of a cell's particles from their middle.
+Mat3 mean_motion(const Cell& cell, const VecList& from, const VecList& to) {
+  const Vec3 middle = cell_centre(cell, from), there = cell_centre(cell, to);
+  Mat3 both = Mat3::Zero(), own = Mat3::Zero();
+  for (const Index i : cell.particles) {
+    both += (to[i] - there) * (from[i] - middle).transpose();
+    own += (from[i] - middle) * (from[i] - middle).transpose();
+  }
+  return both * own.completeOrthogonalDecomposition().pseudoInverse();
 }
 
 }  // namespace
@@ -47,6 +60,9 @@ Model deformed_model(const Model& model, const State& state) {
   require_size(model, state, "deformed_model");
   Model deformed = model;
   deformed.rest = state.position;
+  for (Cell& cell : deformed.cells) {
+    if (cell.fibre != Vec3::Zero()) cell.fibre = mean_motion(cell, model.rest, state.position) * cell.fibre;
+  }
   return deformed;
 }
 

@@ -21,7 +21,7 @@ struct PmlMarks {
   bool unlisted = false;        ///< structuralComponent "Neighborhoods": no row either
   bool unweighed = false;       ///< structuralComponent: its cells without a material have none, whatever their masses
   std::optional<Index> row;     ///< component, cell: row in the model where it is not the order of the file
-  std::optional<double> share;  ///< cell: Cell::share where it is not 1
+  std::optional<double> share;  ///< cell: Cell::share where it is not 1; atom: 0, it may be without mass
   std::vector<std::vector<double>> cuts;  ///< cell: Cell::cuts, m, as many numbers as particles
 };
 

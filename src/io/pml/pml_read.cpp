@@ -166,12 +166,12 @@ void PmlReader::read_atom(pugi::xml_node atom) {
       place[axis] = *coordinate;
       given[static_cast<std::size_t>(axis)] = true;
     } else if (key == "mass") {
-      mass = positive(node, "mass", value, false);
+      mass = positive(node, "mass", value, marks(node).share == 0.0);
     } else if (key == "stiffness") {
       stiffness = positive(node, "stiffness", value, true);
     } else if (key == "name") {
       name = value;
-    } else {
+    } else if (key != pml_mark_attribute) {
       others = true;
     }
   }
@@ -193,7 +193,8 @@ void PmlReader::read_atom(pugi::xml_node atom) {
     extras_.particle_name.resize(row);
     extras_.particle_name.emplace_back(name);
   }
-  std::vector<Attribute> fields = xml_.other_attributes(node, {"index", "x", "y", "z", "mass", "stiffness", "name"});
+  std::vector<Attribute> fields =
+      xml_.other_attributes(node, {"index", "x", "y", "z", "mass", "stiffness", "name", pml_mark_attribute});
   if (others || !extras_.particle_fields.empty()) {
     extras_.particle_fields.resize(row);
     extras_.particle_fields.push_back(std::move(fields));

@@ -109,13 +109,14 @@ void PmlWriter::write_atoms() {
       xml_.raw_attribute(axes[axis], number);
     }
     xml_.attribute("mass", model_.mass[row]);
+    if (model_.mass[row] == 0.0) write_mark("share=0");
     xml_.attribute("stiffness", model_.stiffness[row]);
     if (!extras_.particle_name.empty() && !extras_.particle_name[row].empty()) {
       xml_.attribute("name", extras_.particle_name[row]);
     }
     if (!extras_.particle_fields.empty()) {
-      write_attributes(extras_.particle_fields[row], {"index", "x", "y", "z", "mass", "stiffness", "name"},
-                       "atomProperties");
+      write_attributes(extras_.particle_fields[row],
+                       {"index", "x", "y", "z", "mass", "stiffness", "name", pml_mark_attribute}, "atomProperties");
     }
     xml_.close();
     xml_.close();

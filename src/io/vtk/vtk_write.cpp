@@ -68,9 +68,10 @@ void require_sizes(const Model& model, const State& state, const std::vector<Fie
   std::set<std::string> taken{"displacement", "velocity", "mass"};
   for (const Field& field : fields) {
     require("field \"" + field.name + '"', field.values.size());
-    if (!field.name.empty() && taken.insert(field.name).second) continue;
-    throw Error(path + ": expected fields with names of their own, other than \"displacement\", \"velocity\" and " +
-                "\"mass\", got \"" + field.name + '"');
+    const bool is_group = field.name.starts_with("group:") && model.has_group(field.name.substr(6));
+    if (!field.name.empty() && !is_group && taken.insert(field.name).second) continue;
+    throw Error(path + ": expected fields with names of their own, other than \"displacement\", \"velocity\", " +
+                "\"mass\" and \"group:\" with a group's, got \"" + field.name + '"');
   }
 }
 
