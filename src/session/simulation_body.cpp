@@ -46,8 +46,11 @@ void Simulation::Parts::change_body(const std::vector<Index>& removed, const Bod
 }
 
 void Simulation::Parts::see_tools() {
-  tools_seen.clear();
   for (const SceneTool& tool : scene.tools()) tools_seen[tool.id] = {tool.moves, tool.places, tool.grasps};
+  if (tools_seen.size() == scene.tools().size()) return;
+  std::erase_if(tools_seen, [this](const auto& seen) {
+    return std::ranges::find(scene.tools(), seen.first, &SceneTool::id) == scene.tools().end();
+  });
 }
 
 void Simulation::Parts::took_steps(const StepReport& report) {
