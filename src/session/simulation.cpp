@@ -13,6 +13,7 @@
 #include "base/decimal.h"
 #include "base/files.h"
 #include "elastic/dissipation.h"
+#include "input_kinds.h"
 #include "simulation_parts.h"
 #include "solver/half_step.h"
 #include "warnings.h"
@@ -174,6 +175,7 @@ void Simulation::Parts::begin(double dt) {
 }
 
 void Simulation::Parts::state_changed() {
+  see_tools();
   blades_seen.clear();
   for (const SceneTool& tool : scene.tools()) {
     if (std::holds_alternative<Blade>(tool.tool.shape))
@@ -184,7 +186,7 @@ void Simulation::Parts::state_changed() {
 
 StepReport Simulation::Parts::step(int n, double dt) {
   StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
-  if (report.steps > 0) started.reset();
+  took_steps(report);
   if (report.ok()) cut_with_blades(report);
   if (report.ok()) tear(report);
   follow_history(report);
@@ -194,7 +196,7 @@ StepReport Simulation::Parts::step(int n, double dt) {
 RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
   RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
-  if (result.report.steps > 0) started.reset();
+  took_steps(result.report);
   if (result.report.ok()) cut_with_blades(result.report);
   if (result.report.ok()) tear(result.report);
   if (result.report.torn > 0 && result.converged()) {  // of what was whole
@@ -369,9 +371,21 @@ void Simulation::replay(Recording recording) {
     parts_->set_body(start.removed_cells, start.cuts);
   }  // else Replay says so
   parts_->recorder.reset();
+  std::vector<std::pair<bool, std::uint64_t>> inputs;  // whether tools have done what they were asked, and how often
+  for (const Input& input : recording.inputs) {
+    const bool steps = input.kind == input_kind::step || input.kind == input_kind::restore ||
+                       input.kind == input_kind::to_rest || input.kind == input_kind::to_rest_damped;
+    inputs.emplace_back(steps, input.times);
+  }
   Replay replay(std::move(recording), parts_->solver(), scene());
+  parts_->see_tools();
   replay.on_body = [this](const std::vector<Index>& removed, const BodyCuts& cuts) { parts_->set_body(removed, cuts); };
-  replay.run();
+  for (const auto& [steps, times] : inputs) {
+    for (std::uint64_t k = 0; k < times; ++k) {
+      replay.next();
+      if (steps) parts_->see_tools();
+    }
+  }
   parts_->state_changed();
 }
 

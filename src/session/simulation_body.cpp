@@ -45,16 +45,38 @@ void Simulation::Parts::change_body(const std::vector<Index>& removed, const Bod
   scene.body_changed(topology->cuts);
 }
 
+void Simulation::Parts::see_tools() {
+  for (const SceneTool& tool : scene.tools()) tools_seen[tool.id] = {tool.moves, tool.places, tool.grasps};
+  if (tools_seen.size() == scene.tools().size()) return;
+  std::erase_if(tools_seen, [this](const auto& seen) {
+    return std::ranges::find(scene.tools(), seen.first, &SceneTool::id) == scene.tools().end();
+  });
+}
+
+void Simulation::Parts::took_steps(const StepReport& report) {
+  if (report.steps == 0) return;
+  started.reset();
+  see_tools();
+}
+
 void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCuts& cuts) {
   if (removed == topology->removed && equal_cuts(cuts, topology->cuts)) return;
   const std::vector<Index> removed_before = topology->removed;
   const BodyCuts cuts_before = topology->cuts;
   change_body(removed, cuts);
   try {
-    solver().body_changed();
+    solver().body_changed();  // after which it has forgotten what tools were asked since its last step
   } catch (...) {
     change_body(removed_before, cuts_before);
     throw;
+  }
+  for (const SceneTool& tool : std::vector<SceneTool>(scene.tools())) {
+    const SeenTool seen = tools_seen[tool.id];
+    const ToolHandle handle = scene.tool(tool.name);
+    if (seen.places != tool.places) handle.teleport(tool.pose);
+    if (seen.places == tool.places && seen.moves != tool.moves) handle.move_to(tool.pose);
+    if (seen.grasps == tool.grasps) continue;
+    tool.grasping ? handle.grasp(tool.grasp_distance) : handle.release();
   }
   const std::size_t known = warnings.size();
   look_for_tools_beyond_cuts(model, scene, warnings);

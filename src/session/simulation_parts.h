@@ -61,6 +61,12 @@ struct Simulation::Parts {
     std::uint64_t places = 0;  ///< SceneTool
   };
   std::map<std::uint64_t, SeenBlade> blades_seen;  ///< by SceneTool::id, after the last call
+  struct SeenTool {
+    std::uint64_t moves = 0, places = 0, grasps = 0;  ///< SceneTool
+  };
+  std::map<std::uint64_t, SeenTool> tools_seen;  ///< by SceneTool::id: what the solver's last step did
+  void see_tools();
+  void took_steps(const StepReport& report);
   Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;

@@ -6,6 +6,7 @@
 #include <phymul/phymul.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -48,6 +49,37 @@ TEST_P(RemovedCellsOn, BareSurfacesThatTouch) {
   sim.remove_cells(pieces[1].cells);
   EXPECT_EQ(connected_bodies(sim.model()).size(), 1u);
   EXPECT_TRUE(sim.advance(0.05).ok());
+}
+
+/// What tools are asked before a cut, a removal or an undo of one, they do in the step after it.
+TEST_P(RemovedCellsOn, LetToolsDoWhatTheyWereAskedBefore) {
+  const CutSurface plane = cut_plane({0.03, 0, 0}, {1, 0.1, 0});
+  const std::vector<std::function<void(ToolHandle, ToolHandle)>> asks{
+      [](ToolHandle ball, ToolHandle) {
+        ball.move_to({.position = {0.045, 0.02, 0.031}});
+      },
+      [](ToolHandle ball, ToolHandle) {
+        ball.teleport({.position = {0.02, 0.02, 0.032}});
+      },
+      [](ToolHandle, ToolHandle hook) { hook.grasp(1e-3); }, [](ToolHandle, ToolHandle hook) { hook.release(); }};
+  for (std::size_t k = 0; k < asks.size(); ++k) {
+    std::vector<State> ends;
+    for (const bool before : {false, true}) {
+      Simulation sim(with_spare_particles(slab(), 300), options_for(GetParam()));
+      sim.scene().fix("x0").gravity({0, 0, -1.0});
+      const ToolHandle ball = sim.scene().add_tool({.shape = Sphere{4e-3}, .pose = {.position = {0.045, 0.02, 0.035}}});
+      const ToolHandle hook = sim.scene().add_tool({.shape = Sphere{3e-3}, .pose = {.position = {0.06, 0.02, 0.01}}});
+      if (k == 3) hook.grasp(1e-3);
+      sim.step(2, 1e-4);
+      if (before) asks[k](ball, hook);
+      ASSERT_TRUE(sim.cut(plane));
+      if (!before) asks[k](ball, hook);
+      sim.step(2, 1e-4);
+      ends.push_back(sim.solver().read());
+    }
+    EXPECT_EQ(ends[1].tools, ends[0].tools) << k;
+    EXPECT_EQ(ends[1].position, ends[0].position) << k;
+  }
 }
 
 TEST(RemovedCells, ArePickedWhereTheyAreNow) {
