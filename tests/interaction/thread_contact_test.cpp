@@ -72,6 +72,34 @@ TEST(ThreadContact, SlidesDownASlopeByCoulombsLaw) {
   }
 }
 
+/// A floor that glides takes it along, to its own speed.
+TEST(ThreadContact, GoesWithTheFloorThatItSticksTo) {
+  ThreadAlone body;
+  const Thread thread{.length = 0.03, .touches = true, .friction = 0.2};
+  body.scene.gravity({0, 0, -9.81});
+  body.scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.velocity = {0.05, 0, 0}}});
+  body.scene.add_thread("thread", thread, {0, 0, thread.radius}, {1, 0, 0});
+  body.start();
+  ASSERT_TRUE(body.solver->step(200, thread_step).ok());
+  for (const Vec3& v : body.state().velocity) EXPECT_LT((v - Vec3(0.05, 0, 0)).norm(), 1e-4);
+}
+
+/// A floor that was put over it lets it out slowly.
+TEST(ThreadContact, ComesOutOfAToolWithoutBeingFlung) {
+  ThreadAlone body;
+  const Thread thread{.length = 0.03, .touches = true};
+  body.scene.add_tool("floor", {.shape = HalfSpace{}});
+  body.scene.add_thread("thread", thread, {0, 0, -1e-3}, {1, 0, 0});
+  body.start();
+  double fastest = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(body.solver->step(1, thread_step).ok());
+    for (const Vec3& v : body.state().velocity) fastest = std::max(fastest, v.norm());
+  }
+  EXPECT_LT(fastest, 0.3);
+  for (const Vec3& x : body.state().position) EXPECT_GT(x.z(), thread.radius - 1e-6);
+}
+
 /// Drawn over a round bar with half a turn: T2 = T1 exp(mu theta).
 TEST(ThreadContact, DrawnOverABarItsTensionsAreEulersAndEytelweins) {
   for (const double friction : {0.1, 0.4}) {
@@ -178,6 +206,45 @@ TEST_P(ThreadOnTissue, KeepsTheMomentumAndStaysOutside) {
   }
   EXPECT_GT(solver->momentum().linear.norm(), 0.9 * 2.0 * pull.norm() * 0.04) << "the body has most of it";
   EXPECT_FALSE(solver->thread_state("thread").touch.empty());
+}
+
+/// A little below the surface at the start: it comes out through the side that it is near.
+TEST_P(ThreadOnTissue, ComesOutOfTheSurface) {
+  const Model model = soft_block({0.03, 0.03, 0.015}, 6, 6, 3);
+  Scene scene = Scene(model).fix("z0");
+  const Thread thread{.length = 0.02, .segment = 1e-3, .damping = 20, .touches = true};
+  scene.add_thread("thread", thread, {0.005, 0.0143, 0.015 - 2e-4}, {1, 0.02, 0});
+  const auto solver = make(model, scene, {.damping = 20.0});
+  ASSERT_TRUE(solver->step(static_cast<int>(0.05 / (0.4 * solver->stable_step())), 0.4 * solver->stable_step()).ok());
+  for (const Vec3& x : solver->thread_state("thread").position) EXPECT_GT(x.z(), 0.015 + 0.5 * thread.radius);
+}
+
+/// A coarse block comes from afar and hits a thread as heavy as it is, many nodes at once. None of the blows is counted
+/// for more than one node, so that no energy appears.
+TEST_P(ThreadOnTissue, IsHitByABodyThatComes) {
+  const Model model = soft_block({0.03, 0.03, 0.015}, 2, 2, 1);
+  const std::vector<std::array<Index, 3>> surface = surface_triangles(model);
+  Scene scene(model);
+  const Thread thread{.length = 0.024, .density = 5e6, .segment = 2e-4, .touches = true, .friction = 0.3};
+  const ThreadHandle handle = scene.add_thread("thread", thread, {0.003, 0.0143, 0.030}, {1, 0.02, 0});
+  const auto solver = make(model, scene);
+  State state = solver->read();
+  for (Vec3& v : state.velocity) v = {0, 0, 0.3};
+  solver->reset(state);
+  const double dt = 0.2 * solver->stable_step(), before = solver->energy().kinetic;
+  const double node = mass_of(thread) / (static_cast<double>(handle.thread().nodes()) - 1.0);
+  for (int k = 0; k < 20; ++k) {
+    ASSERT_TRUE(solver->step(static_cast<int>(0.005 / dt), dt).ok());
+    const ThreadState& own = solver->thread_state("thread");
+    double energy = solver->energy().kinetic + solver->energy().elastic;
+    for (const Vec3& v : own.velocity) energy += 0.5 * node * v.squaredNorm();
+    EXPECT_LT(energy, 1.02 * before) << k;
+    const VecList x = solver->read().position;
+    for (const Vec3& at : own.position) EXPECT_LT(turns_around(at, x, surface), 0.5) << k;
+  }
+  double speed = 0.0;
+  for (const Vec3& v : solver->thread_state("thread").velocity) speed = std::max(speed, v.z());
+  EXPECT_GT(speed, 0.1) << "it was hit";
 }
 
 /// What it lies on is part of the state.

@@ -168,12 +168,12 @@ bool ThreadContacts::measure(Touch& touch, const ThreadSupport& tool, const Thre
   shape.margin += radius_;
   const Vec3 from = tool.start.inside(place), to = tool.end.inside(place + way);
   const Depth<double> in = depth_after(shape, unpacked(from), unpacked(to), unpacked(to - from));
-  const double before = std::max(0.0, -distance_to(shape, unpacked(from)).phi);
+  const double left = (1.0 - parted_share) * std::max(0.0, -distance_to(shape, unpacked(from)).phi);
   touch.normal = tool.end.turn * packed(in.normal);
   touch.slide = tool.end.outside(from) - place;
-  touch.need = touch.normal.dot(way) + in.depth - (1.0 - parted_share) * std::min(before, std::max(in.depth, 0.0));
+  touch.need = touch.normal.dot(way) + in.depth - left;
   touch.stiffness = stiffest_;
-  return in.depth > 0.0;
+  return in.depth > left;
 }
 
 /// What acts against sliding is a stiffness too, of Coulomb's force over the way that the node slid in the last
