@@ -117,8 +117,8 @@ void SolverBackend::continue_copies(std::span<const Index> domains) {
     now.state.velocity[copy] = now.state.velocity[of];
     if (!now.displacement.empty()) now.displacement[copy] = now.displacement[of];
   }
+  continue_strains(*topology_, domains, copied, now);  // by the velocities that led here
   carry_momentum(exchanged, topology_->mass, now.state.velocity);
-  continue_strains(*topology_, domains, copied, now);
   restore(now);
 }
 
