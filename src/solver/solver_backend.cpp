@@ -52,8 +52,7 @@ constexpr const char* no_volumes =
 constexpr const char* no_joints =
     "the scene has joints, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_threads =
-    "the scene has threads, which this backend does not take; use \"cpu\" or "
-    "\"reference\"";
+    "the scene has threads, which this backend does not take; use \"cpu\" or \"reference\"";
 constexpr const char* no_dissipation =
     "the body has a material with Material::retardation_time or relaxation_strength, which this backend does not take; "
     "use \"cpu\", \"gl-compute\" or \"reference\"";
@@ -92,8 +91,7 @@ SolverBackend::SolverBackend(std::string name, std::shared_ptr<const TopologyTex
   domains_seen_ = topology_->edited.size();
   copies_seen_ = topology_->copied.size();
   exchanged_seen_ = topology_->exchanged.size();
-  // What it was before the edits of a body that is edited already is not known.
-  largest_before_edits_ = topology_->edits == 0 ? own_spectrum_.largest : NAN;
+  largest_before_edits_ = topology_->edits == 0 ? own_spectrum_.largest : NAN;  // not known of an edited body
   scene_->prepare(frame_);
   joints_->follow(*scene_);
   scene_version_ = scene_->version();
@@ -277,9 +275,8 @@ void SolverBackend::restore(const Snapshot& snapshot) {
     throw Error(
         "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
         "particles, other options of the tables, other cuts or other removed cells; the solver keeps its state. "
-        "Restore it into a "
-        "solver over the same "
-        "tables, or reset() to the snapshot's state where only positions are wanted");
+        "Restore it into a solver over the same tables, or reset() to the snapshot's state where only positions are "
+        "wanted");
   }
   const SceneParts own = scene_->parts();
   if (const std::string found = snapshot.scene ? difference(*snapshot.scene, own) : ""; !found.empty()) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Sewn threads keep their length where knots are tied and loosened, and where no passage is left.
-#include "support/zigzag.h"
+#include "support/joined_particles.h"
 
 namespace phymul::test {
 namespace {

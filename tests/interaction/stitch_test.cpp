@@ -7,11 +7,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "support/joined_particles.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
 #include "support/sutured_wound.h"
 #include "support/tool_backends.h"
-#include "support/zigzag.h"
 
 namespace phymul::test {
 namespace {

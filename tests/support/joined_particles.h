@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// Particles without any stiffness of their own, for joints alone to move.
+// Particles without any stiffness of their own, for joints and threads alone to move.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <phymul/phymul.h>
+
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "bodies.h"
 
 namespace phymul::test {
 
@@ -21,5 +28,38 @@ inline std::unique_ptr<Solver> loose_solver(const std::string& backend, const Mo
                                             const SolverOptions& options = {}) {
   return make_solver(backend, model, scene, {.law = Law::springs}, options);
 }
+
+inline constexpr double stitch_dt = 0.5e-3;  // s
+
+/// A thread through particles that are held, in a zigzag in space.
+struct Zigzag {
+  explicit Zigzag(const Thread& constants, int passages = 5)
+      : model(loose_particles(places(passages), 1e-3)), scene(model) {
+    scene.fix(every_particle(model));
+    std::vector<Anchor> anchors;
+    for (Index i = 0; i < passages; ++i) anchors.push_back(at_particle(i));
+    thread.emplace(scene.sew("thread", constants, anchors));
+    solver = loose_solver("reference", model, scene);
+  }
+  static VecList places(int count) {
+    VecList places;
+    for (int k = 0; k < count; ++k) places.emplace_back(0.01 * k, k % 2 == 0 ? 0.0 : 0.012, 0.004 * (k % 3));
+    return places;
+  }
+  const ThreadState& state() const { return solver->thread_state(*thread); }
+  void run(int steps) { ASSERT_TRUE(solver->step(steps, stitch_dt).ok()); }
+  /// rad, at passage p.
+  double wrap(std::size_t p) const {
+    const VecList& x = state().position;
+    const Vec3 before = x[p + 1] - x[p], after = x[p + 2] - x[p + 1];
+    return std::atan2(before.cross(after).norm(), before.dot(after));
+  }
+  double length() const { return std::accumulate(state().rest_length.begin(), state().rest_length.end(), 0.0); }
+
+  Model model;
+  Scene scene;
+  std::optional<ThreadHandle> thread;
+  std::unique_ptr<Solver> solver;
+};
 
 }  // namespace phymul::test
