@@ -96,7 +96,7 @@ void ThreadContacts::find_near(const ThreadRod& rod, double reach, const Touched
       const auto& [a, b, c] = surface_->triangles[t].corner;
       const Vec3 share = closest_point(then_[i], corners[a], corners[b], corners[c]);
       const double apart = (share[0] * corners[a] + share[1] * corners[b] + share[2] * corners[c] - then_[i]).norm();
-      if (apart > listed_) continue;
+      if (!(apart <= listed_)) continue;  // nor what is no number
       clear_[i] = std::min(clear_[i], apart);
       near_.push_back({t, apart});
     }
@@ -122,7 +122,7 @@ std::optional<ThreadContacts::Touch> ThreadContacts::facing(Index node, const Ve
     const Vec3 share = closest_point(place, x[0], x[1], x[2]);
     const Vec3 off = place - (share[0] * x[0] + share[1] * x[1] + share[2] * x[2]);
     const double apart = off.norm();
-    if (apart > nearest + tie) continue;
+    if (!(apart <= nearest + tie)) continue;
     nearest = std::min(nearest, apart);
     const Vec3 normal = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
     const bool inside = triangle.has_inside && normal.dot(off) < 0.0;
