@@ -78,7 +78,7 @@ Cases joints(const Model& model) {
   return cases;
 }
 
-/// A free thread, held at one end, or stitches under tension.
+/// A free thread, held at one end or lying on something, or stitches under tension.
 Cases threads(const Model& model) {
   Cases cases;
   for (const auto& [nodes, stitches] : {std::pair{0, 0}, {2, 0}, {100, 0}, {300, 0}, {0, 1}, {0, 2}, {0, 8}}) {
@@ -97,6 +97,14 @@ Cases threads(const Model& model) {
       }
     }));
   }
+  const Thread lying{.length = 0.059, .segment = 1e-3, .damping = 5.0, .touches = true};
+  cases.push_back(std::make_unique<Case>("60 nodes on a floor", model, [&](Scene& scene) {
+    scene.add_tool({.shape = HalfSpace{}, .pose = {.position = {0, 0, -0.02}}});
+    scene.add_thread(lying, {0, 0.1, lying.radius - 0.02}, {1, 0, 0});
+  }));
+  cases.push_back(std::make_unique<Case>("60 nodes on the body", model, [&](Scene& scene) {
+    scene.add_thread(lying, {0.0005, 0.03, 0.06 + lying.radius}, {1, 0, 0});
+  }));
   return cases;
 }
 
