@@ -36,7 +36,7 @@ DisplacementNorms displacement_norms(const Model& model, const State& state);
 
 /// Error of positions against reference positions. A particle does not move if its reference is within 1e-12 body sizes
 /// of its rest place. Percentiles by nearest rank. A position that is NaN has an infinite error. `skip` [N] or empty:
-/// not 0 = leave the particle out (prescribed ones).
+/// not 0 = leave the particle out (prescribed ones). Particles without mass are left out.
 struct PositionError {
   double global_ratio = 0.0;  ///< sqrt(sum |u - u_ref|^2 / sum |u_ref|^2), u the displacement from rest
   double max = 0.0;           ///< largest |x - x_ref|, m
