@@ -76,7 +76,7 @@ class ToolHandle {
   /// tool. Another grasp() adds particles. The tool does not grasp particles whose coordinates are all imposed
   /// (Scene::fix, translations) or that another tool holds. If tools grasp in the same step, the first in
   /// Scene::tools() has priority. Imposed coordinates always have priority over the tool. Throws Error for a negative
-  /// distance and for a needle.
+  /// distance, for a needle and for a blade.
   void grasp(double distance) const;
   /// From the next step on the tool holds nothing. A needle is let go: it moves with the tissue around its shaft, as a
   /// rigid body of no mass at Solver::tool_pose(), until move_to() or teleport() takes it again: after a step, not

@@ -93,8 +93,8 @@ struct SolverOptions {
   /// Called by step() and run_to_rest() between two steps, at most every `progress_seconds` and never after the last
   /// step. If it returns false, the call ends there with StepReport::stopped. Exceptions pass through to the caller of
   /// step(); the state is then that of the last call of `progress`. It may read the solver, but must not step or reset
-  /// it or change its scene. It does not change trajectories. It is not called if the scene has tools, because a tool
-  /// moves evenly over all steps of a call.
+  /// it or change its scene. It does not change trajectories. It is not called if the scene has tools or threads:
+  /// they, and what holds them, move evenly over all steps of a call.
   std::function<bool(const StepProgress&)> progress{};
   double progress_seconds = 0.5;  ///< s of wall time, >= 0; 0: after every step
   bool profile = false;           ///< measure passes for Solver::profile(); false: no clock is read
