@@ -323,8 +323,15 @@ Snapshot Simulation::snapshot() const {
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
-  parts_->bring_back(snapshot);
-  parts_->solver().restore(snapshot);
+  const Snapshot before = parts_->snapshot();
+  try {
+    parts_->bring_back(snapshot);
+    parts_->solver().restore(snapshot);
+  } catch (...) {
+    parts_->bring_back(before);
+    parts_->solver().restore(before);
+    throw;
+  }
   parts_->begin_again(snapshot);
 }
 

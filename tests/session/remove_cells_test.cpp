@@ -233,6 +233,22 @@ TEST(RemoveCells, OfABodyThatLacksSomeLeaveOne) {
   EXPECT_NO_THROW(sim.remove_cells(left));
 }
 
+TEST(RemoveCells, ASnapshotThatIsRefusedChangesNothing) {
+  Simulation sim(slab(), options_for("reference"));
+  sim.scene().fix("x0").gravity({0, 0, -9.81}).add_tool("ball", {.shape = Sphere{0.01}});
+  ASSERT_TRUE(sim.advance(0.01).ok());
+  const Snapshot before = sim.snapshot();
+  sim.remove_cells(std::vector<Index>{3, 4, 5});
+  sim.scene().remove_tool("ball");
+  Snapshot other = sim.snapshot();
+  other.parts.push_back({.name = "of another backend", .bytes = {1}});
+  sim.restore(before);
+  EXPECT_THROW(sim.restore(other), Error);
+  EXPECT_TRUE(sim.removed_cells().empty());
+  EXPECT_EQ(sim.snapshot(), before);
+  EXPECT_TRUE(sim.advance(0.01).ok());
+}
+
 TEST(RemoveCells, OfABackendThatDoesNotFollowChangeNothing) {
   SimulationOptions options = options_for("cpu");
   options.make_solver = [](auto topology, const Scene& scene, const SolverOptions&) {
