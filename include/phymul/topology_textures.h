@@ -174,7 +174,7 @@ struct TopologyTextures {
   std::vector<DomainTexel> domains;
   std::vector<EnergyConstants> energies;
   std::vector<Index> first_domain;  ///< [N + 1]
-  std::vector<LinkTexel> links;  ///< of a domain in order of their offsets, as surface_links
+  std::vector<LinkTexel> links;     ///< of a domain in order of their offsets, as surface_links
   std::vector<SurfaceLinkTexel> surface_links;
   std::vector<DissipationTexel> dissipation;  ///< [domains]; empty where no material dissipates
 

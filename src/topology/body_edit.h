@@ -87,7 +87,7 @@ class BodyEdit {
   std::vector<Index> free_walls_;             // rows there that no cell has, the next one last
   std::vector<double> whole_share_;           // [cells] while they are not removed
   std::vector<double> mass_of_corner_;        // [cells] kg, of each particle's share of one
-  std::vector<char> at_start_;                // [cells] 1: the cell, or what it was cut from, was there at the beginning
+  std::vector<char> at_start_;         // [cells] 1: the cell, or what it was cut from, was there at the beginning
   std::vector<double> mass_, lumped_;  // [N] kg, of the model and of its cells while they are as at the beginning
   std::vector<Index> spare_;           // particles that no cell has, the next one last
   std::vector<Index> first_of_;        // [N] the particle that it is a copy of, and so on; itself
