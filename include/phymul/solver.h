@@ -59,8 +59,8 @@ struct ParticleBuffer {
 /// Threads: one thread at a time may call a solver, const functions included, and no other thread may then use its
 /// scene. Two solvers are independent, even if they share tables or a scene that nobody changes.
 /// Exceptions and memory: step() throws only std::bad_alloc and what SolverOptions::progress throws. It allocates in
-/// the first step after a change of the scene, when more surfaces are near each other than ever before, and where a
-/// needle, a blade, a tear or a thread that lies on something goes on. Scene::set_events and new tool poses are not
+/// the first step after a change of the scene, when more surfaces are near each other than ever before, where a needle,
+/// a blade or a tear advances, and where a thread lies on something. Scene::set_events and new tool poses are not
 /// such changes. "reference" also allocates at its first force and at its first imposed position. Only read() and
 /// functions whose comment says so wait for a device.
 class Solver {

@@ -75,7 +75,7 @@ struct Snapshot {
   /// position, would lose bits of it.
   VecList displacement;
   /// Of a Simulation that has not stepped since it was made, set_state() or solve_static(): where its first step
-  /// begins. Simulation::restore() takes it; a solver by itself goes on from `state`.
+  /// begins. Simulation::restore() uses it. A Solver ignores it and starts from `state`.
   struct Start {
     VecList position{};  ///< [N] m, or empty: there is none
     VecList velocity{};  ///< [N] m/s, at State::time
