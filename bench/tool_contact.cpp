@@ -229,6 +229,58 @@ void press_plates_and_jaws() {
   press_flat("plate of 40 mm on a slab", slab, {0.02, 0.02, 0.005}, {0.0205});
   press_flat("plate of 80 mm on a slab", slab, {0.04, 0.04, 0.002}, {0.0175});
   press_flat("two jaws on a lobe", lobe, {0.01, 0.012, 0.002}, {0.0125, -0.0125});
+  press_flat("two jaws of 1 mm on it", lobe, {0.01, 0.012, 0.0005}, {0.011, -0.011});
+  set_material(lobe, {.young = 5e4, .poisson = 0.45, .density = 1000});
+  press_flat("two jaws of 1 mm on ten times as stiff a lobe", lobe, {0.01, 0.012, 0.0005}, {0.011, -0.011});
+}
+
+/// Jaws that close on the tip of an ellipsoid for 0.4 s and hold it for 0.2 s.
+void hold_with_jaws() {
+  Model body = make_body(solid_ellipsoid({0, 0, 0}, {0.06, 0.03, 0.02}), {.spacing = 6.5e-3});
+  set_material(body, {.young = 5e3, .poisson = 0.45, .density = 1000});
+  std::vector<Index> held;
+  for (Index i = 0; i < body.particle_count(); ++i) {
+    if (body.rest[i].x() < -0.03) held.push_back(i);
+  }
+  std::printf("jaws of 20 by 24 mm on the tip of an ellipsoid, %d particles\n", body.particle_count());
+  Mat3 axes;  // from the jaws': they come along -x and open along z
+  axes << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  const ToolPose hinge{.position = {0.068, 0, 0}, .orientation = Quaternion(axes)};
+  const auto hold = [&](const char* name, ToolContact contact, double thickness, bool closes) {
+    Simulation sim(body, {.backend = "cpu", .damping = {.rate = 50.0}, .solver = {.threads = 1}});
+    sim.scene().fix(held);
+    Jaws jaws(sim.scene(), "jaws",
+              {.length = 0.024,
+               .width = 0.02,
+               .thickness = thickness,
+               .contact = contact,
+               .friction = 0.8,
+               .grip = 1.0,
+               .opening = 1.2,
+               .speed = 2.0},
+              hinge);
+    if (closes) jaws.close();
+    std::vector<double> seconds;
+    int steps = 0;
+    for (int k = 0; k < 600; ++k) {
+      jaws.follow(hinge, sim.force_on(jaws.first()), sim.force_on(jaws.second()), tick);
+      const double begin = bench::processor_seconds();
+      const StepReport report = sim.advance(tick);
+      if (!report.ok()) throw Error(report.message());
+      if (k < 400) continue;
+      seconds.push_back(bench::processor_seconds() - begin);
+      steps += report.steps;
+    }
+    std::ranges::nth_element(seconds, seconds.begin() + 100);
+    std::printf("  %-22s: a tick %.3f ms, %.1f steps, grip %.3f N\n", name, 1e3 * seconds[100], steps / 200.0,
+                jaws.grip());
+  };
+  hold("open", ToolContact::surface, 0.006, false);
+  hold("surface, 1 mm thick", ToolContact::surface, 0.001, true);
+  hold("surface, 2 mm", ToolContact::surface, 0.002, true);
+  hold("surface, 6 mm", ToolContact::surface, 0.006, true);
+  hold("surface, 12 mm", ToolContact::surface, 0.012, true);
+  hold("particles, 6 mm", ToolContact::particles, 0.006, true);
 }
 
 }  // namespace
@@ -251,6 +303,7 @@ int main(int argc, char** argv) try {
     }
   }
   press_plates_and_jaws();
+  hold_with_jaws();
   return 0;
 } catch (const phymul::Error& error) {
   std::puts(error.what());

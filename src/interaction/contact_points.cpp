@@ -155,14 +155,14 @@ ContactPoints make_contact_points(const ContactSurface& surface, double least_ra
   return made;
 }
 
-PointsInBox::PointsInBox(const Vec3& half, const std::array<Vec3, 3>& corner, double area) {
+PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area) {
   // Of the way to the part's middle: where two faces are equally near, each presses its own part.
   constexpr double inward = 0.125;
   std::array<Vec3, 6> depth;  // of the corners, below each face
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 along(corner[0][axis], corner[1][axis], corner[2][axis]);
-    depth[2 * axis] = Vec3::Constant(half[axis]) - along;
-    depth[2 * axis + 1] = Vec3::Constant(half[axis]) + along;
+    depth[2 * axis] = Vec3::Constant(box.high[axis]) - along;
+    depth[2 * axis + 1] = along - Vec3::Constant(box.low[axis]);
   }
   if (std::ranges::any_of(depth, [](const Vec3& d) { return d.maxCoeff() <= 0.0; })) return;
   for (const Vec3& own : depth) {

@@ -38,6 +38,11 @@ struct ContactPoints {
 /// where they are drawn apart. `least_radius` may be infinite; 0: not known, k is 6.
 ContactPoints make_contact_points(const ContactSurface& surface, double least_radius);
 
+/// m: the six planes of a box, of which low is negative and high positive.
+struct BoxPlanes {
+  Vec3 low, high;
+};
+
 /// A triangle's points in a box for one step. The parts of the triangle whose nearest surface is one face are convex,
 /// and the depth is linear in each: so what keeps its corners out keeps it out. Each part has a point near each of its
 /// corners, with its share of the area. Points and loads change continuously with the places, and those of a triangle
@@ -51,8 +56,8 @@ struct PointsInBox {
   std::array<Point, most> points;
   std::size_t count = 0;
 
-  /// `half`, m: of the box's sides; `corner`, m: in its frame; `area`, m^2: of the triangle.
-  PointsInBox(const Vec3& half, const std::array<Vec3, 3>& corner, double area);
+  /// `corner`, m: of the triangle, in the box's frame; `area`, m^2: of the triangle.
+  PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area);
 };
 
 /// As the tool's radius and margin ask for.

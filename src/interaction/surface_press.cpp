@@ -25,12 +25,22 @@ Depth<double> depth_of(const ShapeIn<double>& shape, const Vector3<double>& from
 /// The face of a box that is its nearest surface to a place inside or before it: twice its axis, one more at the
 /// negative end; -1: the place is over an edge. Places of one face are convex: a triangle whose corners are there
 /// touches no other.
-int face_of(const ShapeIn<double>& box, const Vec3& q) {
-  const Vec3 off = q.cwiseAbs() - packed(box.size);
+int face_of(const BoxPlanes& box, const Vec3& q) {
+  const Vec3 above = q - box.high, below = box.low - q, off = above.cwiseMax(below);
   int axis = 0;
   off.maxCoeff(&axis);
   if ((off.array() > 0.0).count() > 1) return -1;
-  return 2 * axis + (q[axis] < 0.0 ? 1 : 0);
+  return 2 * axis + (below[axis] > above[axis] ? 1 : 0);
+}
+
+/// Of a place inside; before a face or over an edge the depth is not positive.
+Depth<double> depth_below(const BoxPlanes& box, const Vector3<double>& q) {
+  const double x = std::min(box.high[0] - q.x, q.x - box.low[0]), y = std::min(box.high[1] - q.y, q.y - box.low[1]),
+               z = std::min(box.high[2] - q.z, q.z - box.low[2]);
+  const auto side = [&](int axis, double at) { return box.high[axis] - at <= at - box.low[axis] ? 1.0 : -1.0; };
+  if (x <= y && x <= z) return {x, {side(0, q.x), 0.0, 0.0}};
+  if (y <= z) return {y, {0.0, side(1, q.y), 0.0}};
+  return {z, {0.0, 0.0, side(2, q.z)}};
 }
 
 }  // namespace
@@ -110,21 +120,38 @@ bool SurfacePress::may_touch(const ShapeIn<double>& shape, const Corners& of, do
   return distance_to(shape, unpacked(middle)).phi <= std::sqrt(far) + std::sqrt(way) + room;
 }
 
-/// Whether no point of the triangle passes through the tool in this step.
-bool SurfacePress::is_short(const ShapeIn<double>& shape, const Corners& of) const {
+/// Whether no point of the triangle passes through what is so thick, m, in this step.
+bool SurfacePress::is_short(const Corners& of, double thickness) const {
   return std::ranges::all_of(of.rows(), [&](std::size_t c) {
-    return (corners_[c].to - corners_[c].from).squaredNorm() <= short_way * shape.thickness * shape.thickness;
+    return (corners_[c].to - corners_[c].from).squaredNorm() <= short_way * thickness * thickness;
   });
 }
 
 /// A flat face that presses all corners of a triangle presses the points in between as well: then the corners act, for
 /// all of them.
-bool SurfacePress::is_before_one_face(const ShapeIn<double>& shape, const Corners& of) const {
-  if (shape.kind == ShapeKind::half_space) return true;
-  if (shape.kind != ShapeKind::box) return false;
-  const int face = face_of(shape, corners_[of.row[0]].to);
+bool SurfacePress::is_before_one_face(const BoxPlanes& box, const Corners& of) const {
+  const int face = face_of(box, corners_[of.row[0]].to);
   return face >= 0 &&
-         std::ranges::all_of(of.rows(), [&](std::size_t c) { return face == face_of(shape, corners_[c].to); });
+         std::ranges::all_of(of.rows(), [&](std::size_t c) { return face == face_of(box, corners_[c].to); });
+}
+
+std::optional<BoxPlanes> SurfacePress::planes_for(const ShapeIn<double>& box, const Corners& of) const {
+  const Vec3 half = packed(box.size);
+  BoxPlanes planes{-half, half};
+  if (is_short(of, box.thickness)) return planes;
+  int axis = 0;
+  half.minCoeff(&axis);
+  const double side = corners_[of.row[0]].from[axis] < 0.0 ? -1.0 : 1.0;
+  Vec3 wide = half;
+  wide[axis] = HUGE_VAL;
+  if (!is_short(of, wide.minCoeff())) return std::nullopt;
+  double past = 0.0;  // m, the middle
+  for (const std::size_t c : of.rows()) {
+    if (!(side * corners_[c].from[axis] > 0.0)) return std::nullopt;
+    past = std::max(past, -side * corners_[c].to[axis]);
+  }
+  (side > 0.0 ? planes.low : planes.high)[axis] -= side * 4.0 * past;  // twice would leave both sides equally near
+  return planes;
 }
 
 Vec3 SurfacePress::mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const {
@@ -140,12 +167,12 @@ void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const C
                         double area) {
   const Vector3<double> from = unpacked(mean(share, of, &Corner::from)), to = unpacked(mean(share, of, &Corner::to));
   const double depth = depth_of(shape, from, to, to - from).depth;
-  if (depth > 0.0) keep(of, share, from, area * depth, false);
+  if (depth > 0.0) keep(of, share, from, area * depth, {});
 }
 
 void SurfacePress::keep(const Corners& of, const ContactPoints::Shares& share, const Vector3<double>& from, double load,
-                        bool in_box) {
-  pressed_.push_back({of, share, from, load, in_box});
+                        const std::optional<BoxPlanes>& box) {
+  pressed_.push_back({of, share, from, load, box});
   for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * load;
 }
 
@@ -159,15 +186,16 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
     const Corners of = corners_of(row, start, end, touched);
     if (!may_touch(shape, of, 0.0)) continue;
     const ContactPoints::Patch& patch = points_.patches[row];
-    const bool plain = of.count == 3 && !patch.of_cut_cell && is_short(shape, of);
+    const bool triangle = of.count == 3 && !patch.of_cut_cell;
+    const auto box = triangle && shape.kind == ShapeKind::box ? planes_for(shape, of) : std::nullopt;
     const double area = patch.area * static_cast<double>(patch.points->size());
-    if (plain && is_before_one_face(shape, of)) {
+    if (box ? is_before_one_face(*box, of) : triangle && shape.kind == ShapeKind::half_space) {
       for (const std::size_t c : of.rows()) corners_[c].area += area / 3.0;
-    } else if (plain && shape.kind == ShapeKind::box && shape.margin == 0.0) {
+    } else if (box && shape.margin == 0.0) {
       const auto at = [&](std::size_t c) -> const Vec3& { return corners_[of.row[c]].to; };
-      const PointsInBox in(packed(shape.size), {at(0), at(1), at(2)}, area);
+      const PointsInBox in(*box, {at(0), at(1), at(2)}, area);
       for (const PointsInBox::Point& point : std::span(in.points).first(in.count)) {
-        keep(of, point.share, unpacked(mean(point.share, of, &Corner::from)), point.load, true);
+        keep(of, point.share, unpacked(mean(point.share, of, &Corner::from)), point.load, box);
       }
     } else {
       for (const ContactPoints::Shares& share : *patch.points) find(shape, of, share, patch.area);
@@ -198,9 +226,7 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
 /// How deep a point is now, with the impulses of past rounds.
 Depth<double> SurfacePress::depth_in(const ShapeIn<double>& shape, const Pressed& point) const {
   const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
-  if (!point.in_box) return depth_of(shape, point.from, to, to - point.from);
-  const Distance<double> end = distance_from_box(to, shape.size);
-  return {-end.phi, end.normal};
+  return point.box ? depth_below(*point.box, to) : depth_of(shape, point.from, to, to - point.from);
 }
 
 /// Particles take nothing before hand_over(). Whether there is something for them.

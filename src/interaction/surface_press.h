@@ -20,13 +20,16 @@
 //
 // A flat face presses a triangle that lies before it at its corners: so under a plate a particle is one point, as with
 // ToolContact::particles. Over a box's edges the parts of a triangle that are nearest to each face are pressed at their
-// corners (PointsInBox). Other tools, boxes with a margin, and what moves far in a step: at all points.
+// corners (PointsInBox). Other tools, boxes with a margin, and what moves far in a step: at all points. A box is thin
+// to what would pass its middle in a step, as light particles would that are pressed hard: it is then as if the box
+// were thicker on the side that the triangle does not come from.
 //
 // Which triangles a tool may touch is found with some room to spare and kept while body and tool use it up.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -91,7 +94,7 @@ class SurfacePress {
     ContactPoints::Shares share{};         // of them
     Vector3<double> from;                  // m, in the tool's frame
     double load = 0.0;                     // m^3: its area times its depth
-    bool in_box = false;                   // of PointsInBox
+    std::optional<BoxPlanes> box{};        // of PointsInBox
     double inverse_mass = 0.0, crowd = 0;  // 1/kg: a_s; and the same without the particles' inverse masses
   };
 
@@ -101,13 +104,15 @@ class SurfacePress {
                   const TouchedParticles& touched) const;
   void find_near(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                  const TouchedParticles& touched);
-  bool is_short(const ShapeIn<double>& shape, const Corners& of) const;
-  bool is_before_one_face(const ShapeIn<double>& shape, const Corners& of) const;
+  bool is_short(const Corners& of, double thickness) const;
+  /// Of a box, as the triangle meets them in this step; empty: it may go through the box.
+  std::optional<BoxPlanes> planes_for(const ShapeIn<double>& box, const Corners& of) const;
+  bool is_before_one_face(const BoxPlanes& box, const Corners& of) const;
   /// Of a point of the patch: the mean of its corners' `from` or `to`.
   Vec3 mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const;
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
   void keep(const Corners& of, const ContactPoints::Shares& share, const Vector3<double>& from, double load,
-            bool in_box);
+            const std::optional<BoxPlanes>& box);
   Depth<double> depth_in(const ShapeIn<double>& shape, const Pressed& point) const;
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);

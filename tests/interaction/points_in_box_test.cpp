@@ -16,9 +16,11 @@ TEST(PointsInBox, KeepTheWholeTriangleOutAndChangeContinuously) {
   const Vec3 half(0.01, 0.012, 0.002);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const auto deep = [&](const Vec3& q) { return (half - q.cwiseAbs()).minCoeff(); };
   int inside = 0;
   for (int trial = 0; trial < 200; ++trial) {
+    BoxPlanes box{-half, half};
+    if (trial % 2 == 1) box.low.z() *= 1.5;
+    const auto deep = [&](const Vec3& q) { return (box.high - q).cwiseMin(q - box.low).minCoeff(); };
     std::array<Vec3, 3> at;
     for (Vec3& corner : at) corner = 0.015 * Vec3(unit(random), unit(random), 0.3 * unit(random));
     const Vec3 way = 1e-5 * Vec3(unit(random), unit(random), unit(random));
@@ -26,7 +28,7 @@ TEST(PointsInBox, KeepTheWholeTriangleOutAndChangeContinuously) {
     double before = -1.0;
     for (int step = 0; step < 20; ++step) {
       for (Vec3& corner : at) corner += way;
-      const PointsInBox in(half, at, area);
+      const PointsInBox in(box, at, area);
       const auto place = [&](const auto& share) {
         return Vec3(share[0] * at[0] + share[1] * at[1] + share[2] * at[2]);
       };

@@ -101,5 +101,29 @@ TEST_P(ToolSurfaceMotionOn, AFastRodIsFeltWhereItPassesTheSurface) {
   }
 }
 
+/// It goes past the surface by three times its thickness. It covers one corner of each triangle.
+TEST_P(ToolSurfaceMotionOn, AThinPlateKeepsTheSideThatItComesFrom) {
+  const Model model = soft_block({0.04, 0.04, 0.04}, 8, 8, 8);
+  for (const double side : {1.0, -1.0}) {  // of the plate that is its lower one
+    Scene scene = Scene(model).fix("z0");
+    const Quaternion turn(Eigen::AngleAxisd(side > 0.0 ? M_PI : 0.0, Vec3::UnitX()));
+    scene.add_tool("plate", {.shape = Box{{0.03, 0.004, 2e-4}},
+                             .pose = {.position = {0.02, 0.0201, 0.0404}, .orientation = turn},
+                             .contact = ToolContact::surface});
+    const auto solver = make(model, scene);
+    const double dt = 0.3 * solver->stable_step();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    ASSERT_EQ(solver->tool_force("plate").force, Vec3(0, 0, 0));
+    scene.tool("plate").move_to({.position = {0.02, 0.0201, 0.0390}, .orientation = turn});
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    EXPECT_GT(solver->tool_force("plate").force.z(), 1.0) << side;
+    for (const Index i : model.group("z1")) {
+      if (std::abs(model.rest[i].y() - 0.02) < 0.001) {
+        EXPECT_LT(solver->read().position[i].z(), 0.0395) << side;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace phymul::test
