@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// Trees over places, one a group, halved along the longest side of their box: boxes of leaves on a surface are small,
-// where a curve through space would jump. Walked without a stack. Built once, from places at rest; boxes are the
-// user's, and may move.
+// Trees over places, one a group: the cube around them is halved along z, y and x in turn. Walked without a stack.
+// Built once, from places at rest, in linear time by Morton codes (T. Karras, Maximizing Parallelism in the
+// Construction of BVHs, Octrees, and k-d Trees, 2012); boxes are the user's, and may move.
 #pragma once
 
 #include <phymul/types.h>
 
-#include <utility>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace phymul {
@@ -33,10 +34,14 @@ struct BoxTree {
   std::vector<Index> groups;  ///< [groups + 1] first node of each; equal where a group has no items
 
  private:
-  void add(const VecList& places, const Shape& shape, Index first, Index end);
-  void halve(const VecList& places, const Shape& shape, Index first, Index end, int halvings);
-
-  std::vector<std::pair<double, Index>> keys_;  // of the node at hand: what places are compared by, beside each other
+  struct Coded {
+    std::uint32_t code = 0;
+    Index row = 0;
+  };
+  using Codes = std::vector<Coded>;
+  static Codes in_order(const VecList& places, const std::vector<Index>& group, std::size_t count);
+  void add(const Codes& codes, const Shape& shape, std::size_t first, std::size_t end);
+  void halve(const Codes& codes, const Shape& shape, std::size_t first, std::size_t end, int halvings);
 };
 
 }  // namespace phymul

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "closest_point.h"
@@ -73,14 +72,16 @@ void BodyContacts::find_rows(const ContactSurface& surface) {
   for (const ContactSurface::Particle& particle : surface.particles) rows_.push_back(particle.row);
   if (std::ranges::find(rows_, -1) == rows_.end()) return;
   rows_.clear();
-  std::map<Index, Index> known;
+  std::vector<Index> known(surface.body_of.size(), -1);
   for (const ContactSurface::Particle& particle : surface.particles) {
     auto& of = means_.emplace_back(particle.at.particles);
     for (Index& row : of) {
       if (row < 0) continue;
-      const auto [at, is_new] = known.try_emplace(row, static_cast<Index>(rows_.size()));
-      if (is_new) rows_.push_back(row);
-      row = at->second;
+      if (known[row] < 0) {
+        known[row] = static_cast<Index>(rows_.size());
+        rows_.push_back(row);
+      }
+      row = known[row];
     }
   }
   row_place_.resize(rows_.size());

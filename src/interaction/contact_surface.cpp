@@ -112,17 +112,19 @@ class SurfaceBuilder {
 
   /// m: the longest between two of the particles that its corners are means of.
   double cell_edge(const TissueSurface& tissue, const std::array<Index, 3>& corner) const {
-    double longest = 0.0;
-    const auto each = [&](auto visit) {
-      for (const Index c : corner) {
-        for (const Index i : tissue.vertices[c].particles) {
-          if (i >= 0) visit(i);
-        }
+    std::array<Index, 12> particles{};
+    std::size_t count = 0;
+    for (const Index c : corner) {
+      for (const Index i : tissue.vertices[c].particles) {
+        if (i >= 0) particles[count++] = i;
       }
-    };
-    each([&](Index i) {
-      each([&](Index j) { longest = std::max(longest, (model_.rest[i] - model_.rest[j]).squaredNorm()); });
-    });
+    }
+    double longest = 0.0;
+    for (std::size_t a = 1; a < count; ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        longest = std::max(longest, (model_.rest[particles[a]] - model_.rest[particles[b]]).squaredNorm());
+      }
+    }
     return std::sqrt(longest);
   }
 

@@ -106,7 +106,8 @@ Vec3 area_vector(std::span<const Index> particles, std::span<const Vec3> positio
 }
 
 bool has_walls(const Model& model) {
-  return std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_wall(model, cell); });
+  return std::ranges::any_of(model.materials, [](const Material& of) { return of.thickness > 0.0; }) &&
+         std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_wall(model, cell); });
 }
 
 bool is_solid(int dimension, CellType type) {

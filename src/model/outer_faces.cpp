@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "outer_faces.h"
 
+#include <algorithm>
+
 namespace phymul {
 namespace {
 
@@ -18,14 +20,16 @@ void OuterFaces::follow(const Model& model) {
   known_.resize(model.cells.size(), none());
   next_.resize(model.cells.size() * most_faces, -1);
   face_of_.resize(next_.size(), -1);
+  cut_cells_.clear();
   for (Index row = 0; row < count; ++row) {
     const Cell& cell = model.cells[row];
-    Corners now = none();
-    if (is_solid(model.dimension, cell)) std::ranges::copy(cell.particles, now.begin());
-    if (now == known_[row]) continue;
+    if (!cell.cuts.empty() && is_solid(model.dimension, cell)) cut_cells_.push_back(row);
+    const auto corners = is_solid(model.dimension, cell) ? std::span(cell.particles) : std::span<const Index>();
+    const bool complete = corners.size() == known_[row].size() || known_[row][corners.size()] < 0;
+    if (complete && std::equal(corners.begin(), corners.end(), known_[row].begin())) continue;
     take_out(row);
-    known_[row] = now;
-    if (now != none()) put_in(model.dimension, cell, row);
+    std::ranges::copy(corners, known_[row].begin());
+    if (!corners.empty()) put_in(model.dimension, cell, row);
   }
   std::vector<Index> places;
   bool same = true;

@@ -52,6 +52,9 @@ class OuterFaces {
   /// Looks at all cells, and does more for those alone that are others than at the last call.
   void follow(const Model& model);
 
+  /// Rows of the solid cells that cuts cross, ascending.
+  const std::vector<Index>& cut_cells() const { return cut_cells_; }
+
   /// Calls visit(std::span<const OuterFace>) for each face of the model that was followed, in order of their sorted
   /// particles, those of fewer particles first. Where a cut ends inside the body both parts of a cell have the same
   /// face, and the span has both, in order of cells.
@@ -64,10 +67,7 @@ class OuterFaces {
       found.clear();
       for (const Index place : places) {
         const Cell& cell = model.cells[place / most_faces];
-        Index face = 0;
-        each_face(model.dimension, cell, [&](const std::array<Index, 4>& ring) {
-          if (face++ == place % most_faces) found.push_back({&cell, ring});
-        });
+        found.push_back({&cell, face_of(model.dimension, cell, static_cast<std::size_t>(place % most_faces))});
       }
       visit(std::span<const OuterFace>(found));
     }
@@ -83,6 +83,16 @@ class OuterFaces {
     bool changed = false, outer = false;
   };
 
+  /// One that each_face() visits.
+  static std::array<Index, 4> face_of(int dimension, const Cell& cell, std::size_t number) {
+    const std::vector<Index>& own = cell.particles;
+    if (dimension != 3) {
+      const CellEdge& edge = cell_edges(cell.type)[number];
+      return {own[edge[0]], own[edge[1]], -1, -1};
+    }
+    const CellFace& face = cell_faces(cell.type)[number];
+    return {own[face[0]], own[face[1]], own[face[2]], face[3] < 0 ? -1 : own[face[3]]};
+  }
   Index row_of(const FaceKey& key);
   void grow();
   void take_out(Index cell);
@@ -97,6 +107,7 @@ class OuterFaces {
   std::vector<Face> faces_;             // also those that no cell has any more
   std::vector<Index> table_;            // rows of faces_, by their hashes; -1: free
   std::vector<Index> changed_, outer_;  // rows of faces_, the latter by their keys
+  std::vector<Index> cut_cells_;
 };
 
 }  // namespace phymul

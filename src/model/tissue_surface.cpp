@@ -4,8 +4,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -74,24 +76,29 @@ class TissueSurfaceBuilder {
     });
     const std::vector<Index> walls = walls_beside_cells(model_, outer);
     auto next = walls.begin();
-    for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
-      const Cell& cell = model_.cells[row];
-      if (is_solid(model_.dimension, cell)) add_cuts(cell);
-      if (next == walls.end() || *next != row) continue;
-      add_face(cell, {cell.particles[0], cell.particles[1], cell.particles[2], -1});
-      ++next;
+    const auto add_walls_before = [&](Index row) {
+      for (; next != walls.end() && *next < row; ++next) {
+        const Cell& cell = model_.cells[*next];
+        add_face(cell, {cell.particles[0], cell.particles[1], cell.particles[2], -1});
+      }
+    };
+    for (const Index row : outer.cut_cells()) {
+      add_walls_before(row);
+      add_cuts(model_.cells[row]);
     }
+    add_walls_before(static_cast<Index>(model_.cells.size()));
     return std::move(surface_);
   }
 
  private:
   void add_face(const Cell& cell, const std::array<Index, 4>& ring) {
     if (cell.cuts.empty()) {  // as of all cells but tetrahedra
-      std::vector<Index> corners;
+      std::array<Index, 4> corners{};
+      std::size_t count = 0;
       for (const Index i : ring) {
-        if (i >= 0) corners.push_back(vertex(i));
+        if (i >= 0) corners[count++] = vertex(i);
       }
-      add_fan(corners, false);
+      add_fan(std::span(corners).first(count), false);
       return;
     }
     Polygon face;
@@ -132,7 +139,7 @@ class TissueSurfaceBuilder {
     add_fan(corners, of_cut);
   }
 
-  void add_fan(const std::vector<Index>& corners, bool of_cut) {
+  void add_fan(std::span<const Index> corners, bool of_cut) {
     for (std::size_t k = 2; k < corners.size(); ++k) {
       surface_.triangles.push_back({corners[0], corners[k - 1], corners[k]});
       surface_.of_cut.push_back(static_cast<char>(of_cut));
