@@ -144,93 +144,51 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   out.u64(snapshot.state.tools.size());
   for (const ToolState& tool : snapshot.state.tools) put_tool_state(out, tool);
   joint_state_fields(out, snapshot.state.joints);
-  const bool moved = snapshot.growth != 0.0 || snapshot.max_speed != 0.0;
+  std::vector<std::pair<const char*, std::string>> own;
+  const auto add = [&](bool there, const char* name, const auto& put) {
+    if (!there) return;
+    ByteWriter part;
+    put(part);
+    own.emplace_back(name, part.bytes());
+  };
+  const State& state = snapshot.state;
   with_scene = with_scene && snapshot.scene;
-  const bool removed = !snapshot.removed_cells.empty();
-  const bool blades = std::ranges::any_of(snapshot.state.tools, [](const ToolState& t) { return !t.blade.empty(); });
-  const bool threads = !snapshot.state.threads.empty();
+  add(with_scene, scene_part, [&](ByteWriter& part) {
+    scene_fields(part, *snapshot.scene);
+    report_fields(part, snapshot.tools, snapshot.joints);
+  });
+  add(!snapshot.removed_cells.empty(), removed_part, [&](ByteWriter& part) { part.field(snapshot.removed_cells, ""); });
+  add(!snapshot.cuts.empty(), cuts_part, [&](ByteWriter& part) { cuts_field(part, snapshot.cuts); });
+  const bool blades = std::ranges::any_of(state.tools, [](const ToolState& tool) { return !tool.blade.empty(); });
+  add(blades, blades_part, [&](ByteWriter& part) {
+    for (const ToolState& tool : state.tools) blade_fields(part, tool.blade);
+  });
   const bool scene_threads = with_scene && !snapshot.scene->threads.empty();
-  const bool fluids = !snapshot.state.fluids.empty();
-  const bool needles = std::ranges::any_of(snapshot.state.tools, has_needle_fields);
-  const bool sewn = std::ranges::any_of(snapshot.state.threads, [](const ThreadState& t) { return !t.sewn.empty(); });
-  const bool starts = !snapshot.start.position.empty();
-  const std::array<bool, 11> further{moved,   with_scene, removed,       !snapshot.cuts.empty(),
-                                     blades,  threads,    scene_threads, fluids,
-                                     needles, sewn,       starts};
-  out.u64(snapshot.parts.size() + static_cast<std::size_t>(std::ranges::count(further, true)));
+  add(scene_threads, scene_threads_part, [&](ByteWriter& part) { put_threads(part, snapshot.scene->threads); });
+  add(!state.threads.empty(), threads_part, [&](ByteWriter& part) { put_thread_states(part, state.threads); });
+  add(!state.fluids.empty(), fluids_part, [&](ByteWriter& part) { fluid_fields(part, state.fluids); });
+  const bool sewn = std::ranges::any_of(state.threads, [](const ThreadState& thread) { return !thread.sewn.empty(); });
+  add(sewn, sewn_part, [&](ByteWriter& part) { put_sewn(part, state.threads); });
+  const bool needles = std::ranges::any_of(state.tools, has_needle_fields);
+  add(needles, needles_part, [&](ByteWriter& part) { needle_fields(part, state.tools); });
+  add(!snapshot.start.position.empty(), start_part, [&](ByteWriter& part) {
+    part.real(snapshot.start.dt);
+    part.vectors(snapshot.start.position);
+    part.vectors(snapshot.start.velocity);
+  });
+  add(snapshot.growth != 0.0 || snapshot.max_speed != 0.0, motion_part, [&](ByteWriter& part) {
+    part.real(snapshot.growth);
+    part.real(snapshot.max_speed);
+  });
+  out.u64(snapshot.parts.size() + own.size());
   for (const Snapshot::Part& part : snapshot.parts) {
     out.text(part.name);
     out.text({reinterpret_cast<const char*>(part.bytes.data()), part.bytes.size()});
   }
-  if (with_scene) {
-    ByteWriter scene;
-    scene_fields(scene, *snapshot.scene);
-    report_fields(scene, snapshot.tools, snapshot.joints);
-    out.text(scene_part);
-    out.text(scene.bytes());
+  for (const auto& [name, bytes] : own) {
+    out.text(name);
+    out.text(bytes);
   }
-  if (removed) {
-    ByteWriter cells;
-    cells.field(snapshot.removed_cells, "");
-    out.text(removed_part);
-    out.text(cells.bytes());
-  }
-  if (!snapshot.cuts.empty()) {
-    ByteWriter cuts;
-    cuts_field(cuts, snapshot.cuts);
-    out.text(cuts_part);
-    out.text(cuts.bytes());
-  }
-  if (blades) {
-    ByteWriter points;
-    for (const ToolState& tool : snapshot.state.tools) blade_fields(points, tool.blade);
-    out.text(blades_part);
-    out.text(points.bytes());
-  }
-  if (scene_threads) {
-    ByteWriter all;
-    put_threads(all, snapshot.scene->threads);
-    out.text(scene_threads_part);
-    out.text(all.bytes());
-  }
-  if (threads) {
-    ByteWriter states;
-    put_thread_states(states, snapshot.state.threads);
-    out.text(threads_part);
-    out.text(states.bytes());
-  }
-  if (fluids) {
-    ByteWriter states;
-    fluid_fields(states, snapshot.state.fluids);
-    out.text(fluids_part);
-    out.text(states.bytes());
-  }
-  if (sewn) {
-    ByteWriter passages;
-    put_sewn(passages, snapshot.state.threads);
-    out.text(sewn_part);
-    out.text(passages.bytes());
-  }
-  if (needles) {
-    ByteWriter holes;
-    needle_fields(holes, snapshot.state.tools);
-    out.text(needles_part);
-    out.text(holes.bytes());
-  }
-  if (starts) {
-    ByteWriter start;
-    start.real(snapshot.start.dt);
-    start.vectors(snapshot.start.position);
-    start.vectors(snapshot.start.velocity);
-    out.text(start_part);
-    out.text(start.bytes());
-  }
-  if (!moved) return;
-  ByteWriter motion;
-  motion.real(snapshot.growth);
-  motion.real(snapshot.max_speed);
-  out.text(motion_part);
-  out.text(motion.bytes());
 }
 
 Snapshot take_snapshot(ByteReader& in) {
@@ -262,6 +220,18 @@ Snapshot take_snapshot(ByteReader& in) {
     Snapshot::Part part;
     part.name = in.text("a part's name");
     ByteReader bytes = in.nested("a part");
+    const auto is_own = [&](const char* name, const char* what, const auto& take) {
+      if (part.name != name) return false;
+      take();
+      bytes.expect_end(what);
+      return true;
+    };
+    if (is_own(cuts_part, "the cuts", [&] { cuts_field(bytes, snapshot.cuts); }) ||
+        is_own(threads_part, "the threads", [&] { snapshot.state.threads = take_thread_states(bytes); }) ||
+        is_own(sewn_part, "the passages of threads", [&] { take_sewn(bytes, snapshot.state.threads); }) ||
+        is_own(needles_part, "the needles", [&] { needle_fields(bytes, snapshot.state.tools); })) {
+      continue;
+    }
     if (part.name == scene_part) {
       take_scene(bytes, snapshot);
       continue;
@@ -272,11 +242,6 @@ Snapshot take_snapshot(ByteReader& in) {
       if (std::ranges::adjacent_find(snapshot.removed_cells, std::greater_equal()) != snapshot.removed_cells.end()) {
         in.fail("expected rows of removed cells in increasing order; the file is damaged");
       }
-      continue;
-    }
-    if (part.name == cuts_part) {
-      cuts_field(bytes, snapshot.cuts);
-      bytes.expect_end("the cuts");
       continue;
     }
     if (part.name == blades_part) {
@@ -291,11 +256,6 @@ Snapshot take_snapshot(ByteReader& in) {
       snapshot.scene = std::make_shared<const SceneParts>(std::move(with));
       continue;
     }
-    if (part.name == threads_part) {
-      snapshot.state.threads = take_thread_states(bytes);
-      bytes.expect_end("the threads");
-      continue;
-    }
     if (part.name == fluids_part) {
       fluid_fields(bytes, snapshot.state.fluids);
       bytes.expect_end("the fluids");
@@ -304,16 +264,6 @@ Snapshot take_snapshot(ByteReader& in) {
                std::isfinite(fluid.pressure_before);
       });
       if (!sound) in.fail("expected fluids with a volume above 0 and finite pressures; the file is damaged");
-      continue;
-    }
-    if (part.name == sewn_part) {
-      take_sewn(bytes, snapshot.state.threads);
-      bytes.expect_end("the passages of threads");
-      continue;
-    }
-    if (part.name == needles_part) {
-      needle_fields(bytes, snapshot.state.tools);
-      bytes.expect_end("the needles");
       continue;
     }
     if (part.name == start_part) {

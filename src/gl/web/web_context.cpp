@@ -28,7 +28,7 @@ void load_functions() {
   emscripten_webgl_enable_extension(emscripten_webgl_get_current_context(), "WEBGL_debug_renderer_info");
 }
 
-std::unique_ptr<Device> make_compute_device(FloatTables, const TopologyTextures&, const Scene&, const FloatTools&,
+std::unique_ptr<Device> make_compute_device(FloatTables, const TopologyTextures&, const Scene&, const FloatTools&, bool,
                                             const ShaderLibrary&, std::vector<Index>&) {
   throw Error(ErrorCode::not_supported, "WebGL 2 has no compute shaders; the backend \"gl\" needs none");
 }
