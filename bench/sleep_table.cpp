@@ -236,10 +236,7 @@ std::vector<Case> cases() {
        .call = 5},
       {.name = "cantilever",
        .body = beam,
-       .load =
-           [](Scene& scene, double) {
-             scene.fix("x0").gravity({0, 0, -9.81});
-           },
+       .load = [](Scene& scene, double) { scene.fix("x0").gravity(Vec3(0, 0, -9.81)); },
        .drive = {},
        .steps = 20000},
   };

@@ -9,6 +9,7 @@
 
 #include "base/decimal.h"
 #include "base/files.h"
+#include "model/cell_geometry.h"
 #include "scene_items.h"
 
 namespace phymul {
@@ -51,8 +52,10 @@ Skin bound(const Model& model, const SurfacePatch& patch) {
 /// Per particle Young's modulus over the distance to its neighbours, Pa/m: means over its cells and their edges.
 std::vector<double> modulus_over_spacing(const Model& model) {
   std::vector<double> modulus(model.rest.size(), 0.0), cells(modulus), distance(modulus), edges(modulus);
+  // A capsule on tissue says nothing of what is below it.
+  const bool in_space = std::ranges::any_of(model.cells, [&](const Cell& c) { return is_solid(model.dimension, c); });
   for (const Cell& cell : model.cells) {
-    if (cell.material < 0) continue;
+    if (cell.material < 0 || (in_space && !is_solid(model.dimension, cell))) continue;
     for (const Index i : cell.particles) {
       modulus[i] += model.materials[cell.material].young;
       cells[i] += 1.0;

@@ -15,7 +15,7 @@ bool same(const Tool& a, const Tool& b) {
   const auto *of_a = std::get_if<Grid>(&a.shape), *of_b = std::get_if<Grid>(&b.shape);
   const bool same_shape = of_a && of_b ? **of_a == **of_b : a.shape == b.shape;
   return same_shape && a.friction == b.friction && a.compliance == b.compliance && a.margin == b.margin &&
-         a.contact == b.contact;
+         a.contact == b.contact && a.suction == b.suction && a.suction_reach == b.suction_reach;
 }
 
 bool same(const Joint& a, const Joint& b) {

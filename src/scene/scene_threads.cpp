@@ -111,7 +111,8 @@ ThreadHandle Scene::add_thread(std::string name, const Thread& thread, const Vec
   if (!(length > 0.0) || !std::isfinite(length)) {
     throw Error(thread_label(added.name) + "expected a direction whose length is not 0");
   }
-  added.direction = direction / length;
+  // One of length 1 stays as it is, bit for bit: the scene is compared with snapshots of it.
+  added.direction = std::abs(length - 1.0) > 1e-15 ? Vec3(direction / length) : direction;
   threads_.push_back(std::move(added));
   ++version_;
   return {*this, next_thread_++};
@@ -193,8 +194,9 @@ ThreadHandle Scene::add_clip(std::string name, const Clip& clip, const Anchor& o
   for (const Anchor& anchor : {one, other}) AnchorCheck{label, *model_, tools_}(anchor);
   const double apart = (anchor_place(one, model_->rest, {}) - anchor_place(other, model_->rest, {})).norm();
   // Of clamps of one force the first lets thread through. The tail behind each is as long as the opening.
-  const ThreadHandle added =
-      sew(std::move(name), {.length = apart + 2.0 * clip.opening, .friction = 0.0}, std::vector<Anchor>{one, other});
+  Thread thread{.length = apart + 2.0 * clip.opening, .friction = 0.0};
+  thread.segment = std::max(thread.segment, 1e-3 * thread.length);  // which a sewn thread does not have
+  const ThreadHandle added = sew(std::move(name), thread, std::vector<Anchor>{one, other});
   for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) added.clamp(tip, clip.holding, clip.gap);
   return added;
 }
@@ -358,7 +360,8 @@ bool fits(const ThreadState& state, const SceneThread& thread) {
   const std::size_t segments = state.rest_length.size(), passages = state.passages.size();
   const bool good = all(state.position, finite) && all(state.velocity, finite) && all(state.rest_length, size) &&
                     state.tension.size() == segments && state.broken.size() == segments && state.torn >= 0 &&
-                    state.pulled_out >= 0 && state.slides.size() == passages;
+                    state.pulled_out >= 0 && state.slides.size() == passages && all(state.touch, finite) &&
+                    (state.touch.empty() || (!thread.is_sewn() && state.touch.size() == state.position.size()));
   if (!thread.is_sewn()) {
     const auto nodes = static_cast<std::size_t>(thread.nodes());
     return good && all(state.tension, [](double x) { return std::isfinite(x); }) && segments + 1 == nodes &&

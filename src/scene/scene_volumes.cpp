@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "base/decimal.h"
 #include "model/enclosed_volume.h"
@@ -82,6 +83,10 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
   }
   require_closed(surface, model);
   require_volume(surface.volume, label(surface));
+  if (enclosed_volume(surface.triangles, model.rest) < -1e-6 * surface.volume) {
+    throw Error(label(surface) +
+                "expected triangles counter-clockwise seen from outside; at rest they are wound inward");
+  }
   require_fluid(surface.fluid, label(surface));
   std::vector<char> own(model.rest.size(), 0);
   for (const std::array<Index, 3>& t : surface.triangles) {
@@ -101,32 +106,44 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
 
 }  // namespace
 
-/// A triangle at no cell that is left opens its volume.
+/// A triangle that had a cell, and has none that is left, opens its volume. Lids of tubes never had one. Where a cell
+/// was cut its parts have copies in place of its particles.
 void Scene::find_open_volumes() {
   open_volumes_.assign(volume_constraints_.size(), 0);
   struct Side {
     std::array<Index, 3> corner;
     std::size_t volume;
-    bool has_cell = false;
+    std::array<Index, 3> origin{};
+    bool has_cell = false, had_cell = false;
   };
+  std::vector<Index> origin(model_->rest.size());
+  std::iota(origin.begin(), origin.end(), 0);
+  for (const BodyCut::Copy& copy : copies_) origin[copy.particle] = origin[copy.of];
   std::vector<Side> sides;
   for (std::size_t row = 0; row < volume_constraints_.size(); ++row) {
-    for (const auto& triangle : volume_constraints_[row].triangles) sides.push_back({triangle, row});
+    for (const auto& [a, b, c] : volume_constraints_[row].triangles) {
+      sides.push_back({{a, b, c}, row, {origin[a], origin[b], origin[c]}});
+    }
   }
   if (sides.empty()) return;
-  std::ranges::sort(sides, {}, [](const Side& side) { return side.corner[0]; });
+  const auto first = [](const Side& side) { return side.origin[0]; };
+  std::ranges::sort(sides, {}, first);
   for (const Cell& cell : model_->cells) {
-    if (cell.share == 0.0) continue;
     for (const Index i : cell.particles) {
-      for (Side& side : std::ranges::equal_range(sides, i, {}, [](const Side& own) { return own.corner[0]; })) {
-        side.has_cell = side.has_cell || std::ranges::all_of(side.corner, [&](Index corner) {
-                          return std::ranges::find(cell.particles, corner) != cell.particles.end();
-                        });
+      for (Side& side : std::ranges::equal_range(sides, origin[i], {}, first)) {
+        const auto has = [&](Index corner) {
+          return std::ranges::find(cell.particles, corner) != cell.particles.end();
+        };
+        const auto had = [&](Index corner) {
+          return std::ranges::any_of(cell.particles, [&](Index own) { return origin[own] == corner; });
+        };
+        side.has_cell = side.has_cell || (cell.share > 0.0 && std::ranges::all_of(side.corner, has));
+        side.had_cell = side.had_cell || std::ranges::all_of(side.origin, had);
       }
     }
   }
   for (const Side& side : sides) {
-    if (!side.has_cell) open_volumes_[side.volume] = 1;
+    if (side.had_cell && !side.has_cell) open_volumes_[side.volume] = 1;
   }
 }
 

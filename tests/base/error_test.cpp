@@ -82,9 +82,7 @@ TEST(Error, NamesModelsAndBackends) {
   expect_error(error_of([&] { scene.fix("nose"); }), ErrorCode::unknown_name, "", 0);
   expect_error(error_of([&] { scene.tool("nose"); }), ErrorCode::unknown_name, "", 0);
   expect_error(error_of([&] { make_solver("cuda", model, scene); }), ErrorCode::unknown_name, "", 0);
-  expect_error(error_of([&] {
-                 scene.gravity({std::numeric_limits<double>::infinity(), 0, 0});
-               }),
+  expect_error(error_of([&] { scene.gravity(Vec3(std::numeric_limits<double>::infinity(), 0, 0)); }),
                ErrorCode::invalid_argument, "", 0);
   Model broken = model;
   broken.mass.pop_back();

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "support/bodies.h"
+#include "support/dense_operator.h"
 #include "support/message_of.h"
 #include "support/wall_cases.h"
 
@@ -114,7 +115,8 @@ TEST(Wall, BendsWithoutForcesInside) {
 TEST(Wall, StepLimitIsThatOfItsVibrations) {
   for (const Model& model : {bowl(false), wall_of(sphere_surface(radius, 3), 10e3, 0.4, 5e-4)}) {
     const TopologyTextures tables = build_topology(model);
-    const Eigen::VectorXd squares = vibrations(model, tables);
+    Eigen::VectorXd squares = dense_eigenvalues(tables, tables.rest).real();
+    std::ranges::sort(squares);
     const double largest = squares[squares.size() - 1];
     EXPECT_NEAR(estimate_spectrum(tables, tables.rest).largest, largest, 0.01 * largest);
     // Nothing but rigid motion is free of force: no stabiliser is needed.

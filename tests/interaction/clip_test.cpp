@@ -158,6 +158,8 @@ TEST(Clip, RefusesWhatIsNone) {
   EXPECT_TRUE(refuses(add({.opening = std::nan("")}, at_particle(5)), "opening (m) above 0"));
   EXPECT_TRUE(refuses(add({}, at_world({0, 0, 0})), "expected particles, got none"));
   EXPECT_TRUE(refuses(add({}, at_particle(0)), "expected places that differ"));
+  add({.opening = 200.0}, at_particle(5))();
+  wound.scene.remove_thread("c");
   const ThreadHandle free = wound.scene.add_thread({}, {0, 0, 0}, {1, 0, 0});
   EXPECT_TRUE(refuses([&] { free.clamp(ThreadTip::first, 1.0); }, "expected a sewn thread to clamp"));
   EXPECT_TRUE(wound.scene.threads().size() == 1);

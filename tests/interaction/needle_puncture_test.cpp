@@ -121,6 +121,18 @@ TEST(NeedlePuncture, TurnsNoCellInsideOut) {
   }
 }
 
+/// A capsule of 1 nm holds nothing. Where a spread over a quarter of the body asks for more force than the tissue
+/// bears, it gives way as without one.
+TEST(NeedlePuncture, BearsWhatTheTissueBelowACapsuleBears) {
+  const Needle wide{.spread = 12.5e-3};
+  Default bare(6e-3, 5e3, wide), capsule(6e-3, 5e3, wide);
+  add_capsule(capsule.model, {.young = 1e6, .poisson = 0.45, .density = 1000.0, .thickness = 1e-9});
+  capsule.solver = make_solver("cpu", capsule.model, capsule.scene, {}, damped(40.0));
+  ASSERT_TRUE(bare.go(0.02, true) && capsule.go(0.02, true));
+  EXPECT_GT(bare.gave_way, 0);
+  EXPECT_NEAR(capsule.most, bare.most, 0.02 * bare.most);
+}
+
 /// The limit follows the tissue's present stiffness.
 TEST(NeedlePuncture, IsLaterInTissueThatWasMadeStiffer) {
   Default soft(9e-3, 4e3), stiff(9e-3, 4e3);

@@ -53,6 +53,25 @@ TEST(StitchLength, AKnotTakesFromTheTailThatHasMore) {
   EXPECT_NEAR(whole_length(body), before, 1e-12);
 }
 
+/// Both ends of a knot bear the same force: both passages let go at once.
+TEST(StitchLength, AKnotBreaksWithThePassagesThatItTies) {
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
+  Scene scene(model);
+  scene.fix(std::vector<Index>{0});
+  scene.add(Load{.type = LoadType::force, .particles = {1}, .events = {{0.0, 1.5}}, .direction = {1, 0, 0}});
+  const ThreadHandle thread = scene.sew("s", {.length = 0.05, .passage_limit = 1.0, .throw_holding = 100},
+                                        std::vector<Anchor>{at_particle(0), at_particle(1)});
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) thread.pull(tip, Vec3::Zero());
+  thread.tie(0, 1, 4);
+  const auto solver = loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
+  ASSERT_TRUE(solver->step(400, 0.5e-3).ok());
+  const ThreadState& end = solver->thread_state(thread);
+  ASSERT_EQ(end.torn, 2);
+  ASSERT_EQ(end.knots.size(), 1u);
+  EXPECT_TRUE(end.knots[0].broken);
+  EXPECT_EQ(end.knots[0].tension, 0.0);
+}
+
 TEST(StitchLength, AThreadWithoutPassagesKeepsItsLengthWhenATipIsJoined) {
   Zigzag body({.length = 0.1, .friction = 0.05}, 4);
   body.scene.add_tool("hand", {.shape = Sphere{1e-3}, .pose = {.position = {0.04, 0.02, 0}}});

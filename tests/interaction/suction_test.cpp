@@ -2,6 +2,7 @@
 //
 // Tools that draw tissue (Tool::suction).
 #include <algorithm>
+#include <functional>
 
 #include "support/message_of.h"
 #include "support/tool_backends.h"
@@ -71,6 +72,23 @@ TEST_P(Suction, LiftsTissueUpToItsForce) {
   const auto [left, none] = lifted(0.02, 0.006);
   EXPECT_LT(left, 1e-4) << "torn off";
   EXPECT_EQ(none, 0.0);
+}
+
+TEST(SuctionOptions, AreThoseOfTheSnapshot) {
+  const Tool tube{.shape = Sphere{1e-3}, .pose = {.position = {0, 0, 0.1}}, .suction = 0.05, .suction_reach = 2e-3};
+  for (const auto& change : {std::function([](Tool& tool) { tool.suction = 0.0; }),
+                             std::function([](Tool& tool) { tool.suction_reach = 3e-3; })}) {
+    Simulation sim(soft_block({cube_side, cube_side, cube_side}, 2, 2, 2), {.backend = "reference"});
+    sim.scene().add_tool("tube", tube);
+    const Snapshot before = sim.snapshot();
+    Tool other = tube;
+    change(other);
+    sim.scene().remove_tool("tube").add_tool("tube", other);
+    EXPECT_TRUE(says(message_of([&] { sim.unrecorded_solver().restore(before); }), "is tool \"tube\""));
+    sim.restore(before);
+    EXPECT_EQ(sim.scene().tools()[0].tool.suction, 0.05);
+    EXPECT_EQ(sim.scene().tools()[0].tool.suction_reach, 2e-3);
+  }
 }
 
 TEST(SuctionOptions, WhatMakesNoSenseIsRefused) {

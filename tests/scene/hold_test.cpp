@@ -143,6 +143,19 @@ TEST(HeldPatch, HasTheAreaOfTheSurfaceInside) {
   }
 }
 
+TEST(HeldPatch, IsAsStiffAsTheTissueBelowACapsule) {
+  Model body = with_material(make_tetrahedral_block({0.02, 0.02, 0.02}, 3, 3, 3, 0.2, 7));
+  const SurfacePatch patch{.points = {{0.005, 0.01, 0.0}, {0.015, 0.01, 0.0}}, .areas = {1e-4, 1e-4}};
+  const auto stiffness = [&] {
+    Scene scene(body);
+    scene.hold(patch);
+    return scene.joints().at(0).joint.stiffness;
+  };
+  const double bare = stiffness();
+  add_capsule(body, {.young = 1e6, .poisson = 0.45, .density = 1000.0, .thickness = 1e-9});
+  EXPECT_NEAR(stiffness(), bare, 1e-6 * bare);
+}
+
 TEST(HeldPatch, OfNonsenseIsRefusedWithWhatToDo) {
   const auto refuses_to_sample = [](const Surface& surface, double spacing, const Contains& inside, const char* text) {
     return says(message_of([&] { sample_surface(surface, spacing, inside); }), text);

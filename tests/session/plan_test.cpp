@@ -217,25 +217,17 @@ TEST(Plan, SaysWhatIsWrongWithABuilder) {
   };
   EXPECT_TRUE(refuses(built([](const PlanCandidate&) -> Simulation { throw Error("no such organ"); }),
                       "the builder made no body at any spacing", "no such organ"));
-  EXPECT_TRUE(refuses(beam_with(
-                          [](Scene& scene) {
-                            scene.fix("x0").gravity({0, 0, -1});
-                          },
-                          0.02),
+  EXPECT_TRUE(refuses(beam_with([](Scene& scene) { scene.fix("x0").gravity(Vec3(0, 0, -1)); }, 0.02),
                       "it must use PlanCandidate::spacing"));
   EXPECT_TRUE(refuses(built([](const PlanCandidate& it) {
                         return Simulation(beam(it.spacing), {.material = planned_tissue, .backend = "reference"});
                       }),
                       "expected a simulation with the backend \"cpu\", got \"reference\""));
-  EXPECT_TRUE(refuses(beam_with([](Scene& scene) {
-                        scene.gravity({0, 0, -1});
-                      }),
-                      "and the loads drive it: it moves away"));
+  EXPECT_TRUE(
+      refuses(beam_with([](Scene& scene) { scene.gravity(Vec3(0, 0, -1)); }), "and the loads drive it: it moves away"));
   EXPECT_TRUE(refuses(beam_with([](Scene& scene) { scene.fix("x0"); }), "nothing moves in this scene"));
   const Load ramp{.type = LoadType::force, .particles = {0}, .events = {{0, 0}, {2, 1}}, .direction = {0, 0, 1}};
-  EXPECT_TRUE(refuses(beam_with([&](Scene& scene) {
-                        scene.fix("x0").gravity({0, 0, -0.1}).add(ramp);
-                      }),
+  EXPECT_TRUE(refuses(beam_with([&](Scene& scene) { scene.fix("x0").gravity(Vec3(0, 0, -0.1)).add(ramp); }),
                       "changes until 2 s, so the rest shape says little; give PlanOptions::probe_time"));
 }
 

@@ -53,7 +53,7 @@ std::vector<Motion> motions() {
           {"a load that grows, nu 0.45", [] { return cantilever(0.45); }, load, 0.35},
           {"a load that turns", [] { return cantilever(0.45); },
            [](Simulation& sim, int k) {
-             sim.scene().gravity({0, 0.006 * std::sin(0.35 * k), -0.2 - 0.006 * std::cos(0.35 * k)});
+             sim.scene().gravity(Vec3(0, 0.006 * std::sin(0.35 * k), -0.2 - 0.006 * std::cos(0.35 * k)));
            },
            0.7},
           {"a tissue that is pulled",
@@ -116,10 +116,7 @@ TEST(PredictedRest, GoesOnWithTheForcesOfAToolOnTheSurface) {
 /// What was found before is of no use, or in the way, where the body, what is held or the tools are others.
 TEST(PredictedRest, IsOfTheSceneAsItIsNow) {
   const std::vector<std::pair<std::string, std::function<void(Simulation&)>>> changes{
-      {"load",
-       [](Simulation& sim) {
-         sim.scene().gravity({0, 0.1, -0.2});
-       }},
+      {"load", [](Simulation& sim) { sim.scene().gravity(Vec3(0, 0.1, -0.2)); }},
       {"ball",
        [](Simulation& sim) {
          sim.scene().add_tool("ball", {.shape = Sphere{0.02}, .pose = {.position = {0.15, 0.025, 0.056}}});
@@ -140,9 +137,7 @@ TEST(PredictedRest, IsOfTheSceneAsItIsNow) {
        }},
       {"held", [](Simulation& sim) { sim.scene().fix("x1"); }},
       {"no ball", [](Simulation& sim) { sim.scene().remove_tool("ball"); }},
-      {"the load again", [](Simulation& sim) {
-         sim.scene().gravity({0, 0, -0.2});
-       }}};
+      {"the load again", [](Simulation& sim) { sim.scene().gravity(Vec3(0, 0, -0.2)); }}};
   Simulation sim = cantilever(0.45);
   sim.scene().gravity({0, 0, -0.2});
   for (std::size_t k = 0; k < changes.size(); ++k) {

@@ -139,6 +139,22 @@ TEST_P(RemovedCellsOn, OpenAVolume) {
   EXPECT_TRUE(report.ok()) << report.message();
 }
 
+/// A chamber within corners of the block, none of whose triangles is at a cell, as lids of a tube are not.
+TEST(RemovedCells, LeaveLidsClosed) {
+  Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for("reference"));
+  const auto at = [&](const Vec3& corner) {
+    const VecList& rest = sim.model().rest;
+    return static_cast<Index>(std::ranges::find(rest, corner) - rest.begin());
+  };
+  const Index o = at({0, 0, 0}), x = at({0.03, 0, 0}), y = at({0, 0.03, 0}), z = at({0, 0, 0.03});
+  VolumeConstraint chamber{.triangles = {{o, x, y}, {o, z, x}, {x, z, y}, {y, z, o}}, .volume = 4.5e-6, .name = "c"};
+  EXPECT_TRUE(refuses([&] { sim.scene().constrain_volume(chamber); }, "at rest they are wound inward"));
+  for (auto& triangle : chamber.triangles) std::swap(triangle[0], triangle[1]);
+  sim.scene().constrain_volume(chamber);
+  sim.remove_cells(std::vector<Index>{26});
+  EXPECT_FALSE(sim.scene().is_open(0));
+}
+
 TEST(RemovedCells, LeaveLoadsOnWhatIsThere) {
   Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for("reference"));
   const auto top = sim.model().group("z1");

@@ -310,10 +310,7 @@ TEST(SimulationStatic, FindsTheShapeOfWhatCutsAndRemovalsLeave) {
 TEST(SimulationStatic, ASecondSearchIsThatOfASimulationThatHadNone) {
   const auto make = [] { return hung(with_spare_particles(beam(4, Cells::tetrahedra), 100), 0.3, 0.01); };
   const std::vector<std::pair<std::string, std::function<void(Simulation&)>>> changes{
-      {"load",
-       [](Simulation& sim) {
-         sim.scene().gravity({0, 0.05, -0.1});
-       }},
+      {"load", [](Simulation& sim) { sim.scene().gravity(Vec3(0, 0.05, -0.1)); }},
       {"held", [](Simulation& sim) { sim.scene().fix("x1"); }},
       {"stiffness", [](Simulation& sim) { sim.scene().scale_stiffness(2.0); }},
       {"cut",

@@ -72,10 +72,7 @@ TEST(SimulationWarnings, OtherUnits) {
   EXPECT_EQ(warnings(block(), {.young = 10, .poisson = 0.3, .density = 1}, hold_and_pull),
             (std::vector<std::string>{"Young's modulus is 10 Pa: expected Pa; was it in kPa or MPa?",
                                       "the density is 1 kg/m^3: expected kg/m^3; was it in g/cm^3 (water: 1)?"}));
-  EXPECT_EQ(warnings(block(), soft,
-                     [](Scene& scene) {
-                       scene.fix("x0").gravity({0, 0, -9810});
-                     }),
+  EXPECT_EQ(warnings(block(), soft, [](Scene& scene) { scene.fix("x0").gravity(Vec3(0, 0, -9810)); }),
             std::vector<std::string>{"gravity is 9810 m/s^2: expected m/s^2 (on Earth 9.81); was it in mm/s^2?"});
 }
 
@@ -209,10 +206,7 @@ TEST(SimulationWarnings, ABodyFarInsideAnotherIsNotTouched) {
 }
 
 TEST(SimulationWarnings, WhatNothingHolds) {
-  EXPECT_EQ(warnings(block(), soft,
-                     [](Scene& scene) {
-                       scene.gravity({0, 0, -9.81});
-                     }),
+  EXPECT_EQ(warnings(block(), soft, [](Scene& scene) { scene.gravity(Vec3(0, 0, -9.81)); }),
             std::vector<std::string>{"nothing holds the body: it moves away; Scene::fix() holds a group of particles"});
   const Model one = block(), other = moved(block(), {0.1, 0, 0}), third = moved(block(), {0.2, 0, 0});
   const Model two = merge_models(std::vector<NamedBody>{{"liver", &one}, {"gall bladder", &other}});

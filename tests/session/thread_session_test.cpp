@@ -219,10 +219,33 @@ TEST(ThreadSession, StatesThatDoNotFitAreRefused) {
             }).find("\"stitch\""),
             std::string::npos);
   EXPECT_NE(refusal([](Sewn&, ThreadState& free) { free.position.pop_back(); }).find("\"free\""), std::string::npos);
+  EXPECT_NE(refusal([](Sewn&, ThreadState& free) { free.touch.assign(1, Vec3(0, 0, 1)); }).find("\"free\""),
+            std::string::npos);
+  EXPECT_NE(refusal([](Sewn& sewn, ThreadState&) {
+              sewn.touch.assign(sewn.position.size(), Vec3(0, 0, 1));
+            }).find("\"stitch\""),
+            std::string::npos);
   EXPECT_NE(refusal([](Sewn&, ThreadState& free) { free.velocity[2].x() = std::nan(""); }).find("\"free\""),
             std::string::npos);
   EXPECT_NE(message_of([&] { static_cast<void>(sim.solve_static()); }).find("the scene has threads"),
             std::string::npos);
+}
+
+/// A scene's thread is compared with the snapshot's bit for bit.
+TEST(ThreadSession, ComesBackInAnyDirection) {
+  std::mt19937 bits(3);
+  for (int k = 0; k < 20; ++k) {
+    Simulation sim = wound_on("reference"), other = wound_on("reference");
+    sim.scene().add_thread("free", {.length = 0.03}, {0, 0, 0.02}, random_vector(bits, 3));
+    ASSERT_TRUE(sim.step(1, 1e-4).ok());
+    const Snapshot before = sim.snapshot();
+    sim.scene().remove_thread("free");
+    ASSERT_TRUE(sim.step(1, 1e-4).ok());
+    for (Simulation* const to : {&sim, &other}) {
+      to->restore(before);
+      EXPECT_EQ(to->state().threads, before.state.threads);
+    }
+  }
 }
 
 }  // namespace

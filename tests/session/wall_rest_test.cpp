@@ -61,11 +61,7 @@ void expect_where_steps_lead(const Model& model, const std::function<void(Scene&
 
 TEST(WallRest, SheetSagsFar) {
   expect_where_steps_lead(
-      sheet(),
-      [](Scene& scene) {
-        scene.gravity({0, 0, -0.4});
-      },
-      0.03);
+      sheet(), [](Scene& scene) { scene.gravity(Vec3(0, 0, -0.4)); }, 0.03);
 }
 
 TEST(WallRest, SheetFollowsWhatIsImposed) {

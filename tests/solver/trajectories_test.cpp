@@ -91,9 +91,7 @@ std::vector<Trajectory> trajectories() {
          scene.attach(scene.model().group("upper/z0"), "lower", {.stiffness = 1e6, .damping = 10.0});
        }},
       {"contact of two bodies", two_cubes,
-       [](Scene& scene) {
-         scene.fix("lower/z0").gravity({3.0, 0.0, -9.81}).contacts({.friction = 0.3});
-       }},
+       [](Scene& scene) { scene.fix("lower/z0").gravity(Vec3(3.0, 0.0, -9.81)).contacts({.friction = 0.3}); }},
       {"dissipation",
        [] {
          return of({.young = 10e3,

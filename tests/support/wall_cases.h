@@ -7,7 +7,6 @@
 #include <phymul/topology_textures.h>
 #include <phymul/wall.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Sparse>
 #include <cmath>
 #include <cstdint>
@@ -299,26 +298,6 @@ inline double hemisphere_with_hole(int n, double jitter) {
   shell.force[pushed].y() = -load;
   shell.step();
   return (shell.x[pulled].x() - R) / load / 0.0940 - 1.0;
-}
-
-/// Squares of the angular frequencies about the rest shape, 1/s^2, rising: eigenvalues of M^-1/2 K M^-1/2 by central
-/// differences of the forces.
-inline Eigen::VectorXd vibrations(const Model& model, const TopologyTextures& tables) {
-  const auto n = static_cast<Eigen::Index>(3 * model.rest.size());
-  Eigen::MatrixXd K(n, n);
-  const double h = 1e-6 * mean_spacing(model);
-  for (Eigen::Index c = 0; c < n; ++c) {
-    VecList up = model.rest, down = model.rest;
-    up[static_cast<std::size_t>(c / 3)][c % 3] += h;
-    down[static_cast<std::size_t>(c / 3)][c % 3] -= h;
-    const VecList plus = forces_at(tables, up), minus = forces_at(tables, down);
-    for (Eigen::Index r = 0; r < n; ++r) {
-      const auto i = static_cast<std::size_t>(r / 3), j = static_cast<std::size_t>(c / 3);
-      K(r, c) = (minus[i][r % 3] - plus[i][r % 3]) / (2.0 * h) / std::sqrt(model.mass[i] * model.mass[j]);
-    }
-  }
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (K + K.transpose()), Eigen::EigenvaluesOnly)
-      .eigenvalues();
 }
 
 }  // namespace phymul::test

@@ -380,6 +380,11 @@ std::size_t ThreadPath::passage_left() const {
 
 void ThreadPath::remove(std::size_t passage) {
   const auto at = static_cast<std::ptrdiff_t>(passage);
+  for (KnotState& knot : next_.knots) {
+    if (knot.a != next_.passages[passage] && knot.b != next_.passages[passage]) continue;
+    knot.broken = true;
+    knot.tension = 0.0;
+  }
   next_.rest_length[passage] += next_.rest_length[passage + 1];
   next_.broken[passage] |= next_.broken[passage + 1];
   next_.tension[passage] = 0.0;
