@@ -36,11 +36,6 @@ struct Case {
   bool self = true;
 };
 
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
-
 Model soft(Model model) {
   set_material(model, {5e3, 0.3, 1000.0});
   return model;

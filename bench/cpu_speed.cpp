@@ -10,7 +10,6 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -23,6 +22,7 @@
 #include "cpu/simd/instruction_set.h"
 #include "machine_ceilings.h"
 #include "plain_loop.h"
+#include "stopwatch.h"
 #include "triple_work.h"
 #include "usage.h"
 
@@ -31,18 +31,9 @@ namespace {
 using namespace phymul;
 using bench::processor_seconds;
 
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
-
 struct Case {
   std::string name;
-  Model model;
+  std::function<Model()> body;
   TopologyOptions options;
 };
 
@@ -71,9 +62,9 @@ struct Runner {
     return processor_seconds() - start;
   }
   void measure(double particles) {
-    const double start = seconds_now();
+    const Stopwatch watch;
     rates.push_back(particles * steps / once());
-    clock_rates.push_back(particles * steps / (seconds_now() - start));
+    clock_rates.push_back(particles * steps / watch.seconds());
   }
 };
 
@@ -115,7 +106,7 @@ struct Gains {
 };
 
 void run(const Case& test, int repeats) {
-  const Model& model = test.model;
+  const Model model = test.body();
   const auto tables = std::make_shared<const TopologyTextures>(build_topology(model, test.options));
   Scene scene(model);
   SolverOptions options;
@@ -192,89 +183,40 @@ Model wall(int a_side) {
   return make_wall({.vertices = solid.rest, .triangles = surface_triangles(solid), .notes = {}}, {.material = sheet});
 }
 
-std::vector<std::function<Case()>> cases() {
+std::vector<Case> cases() {
   const TopologyOptions shared_all{.reaction = Reaction::shared, .bases = BaseSelection::all};
   const TopologyOptions averaged_all{.reaction = Reaction::averaged, .bases = BaseSelection::all};
   const TopologyOptions conservative_all{.reaction = Reaction::conservative, .bases = BaseSelection::all};
   const TopologyOptions springs{.law = Law::springs};
   const TopologyOptions springs_volume{.law = Law::springs, .volume_stiffness = 50.0};
   return {
-      [=] {
-        return Case{"n6 full shared 4k", block(16, 6), shared_all};
-      },
-      [=] {
-        return Case{"n6 full averaged 4k", block(16, 6), averaged_all};
-      },
-      [=] {
-        return Case{"n6 full conservative 4k", block(16, 6), conservative_all};
-      },
-      [=] {
-        return Case{
-            "n6 full conservative+volume 4k", block(16, 6), {.bases = BaseSelection::all, .volume_stiffness = 50.0}};
-      },
-      [=] {
-        return Case{"n14 full shared 4k", block(16, 14), shared_all};
-      },
-      [=] {
-        return Case{"n14 full averaged 4k", block(16, 14), averaged_all};
-      },
-      [=] {
-        return Case{"n14 thresholded shared 1k", block(10, 14), {.reaction = Reaction::shared}};
-      },
-      [=] {
-        return Case{"springs 1k", tetrahedra(10), springs};
-      },
-      [=] {
-        return Case{"springs 4k", tetrahedra(16), springs};
-      },
-      [=] {
-        return Case{"springs 10k", tetrahedra(22), springs};
-      },
-      [=] {
-        return Case{"springs 97k", tetrahedra(46), springs};
-      },
-      [=] {
-        return Case{"springs+volume 1k", tetrahedra(10), springs_volume};
-      },
-      [=] {
-        return Case{"springs+volume 4k", tetrahedra(16), springs_volume};
-      },
-      [=] {
-        return Case{"springs+volume 10k", tetrahedra(22), springs_volume};
-      },
-      [=] {
-        return Case{"springs+volume 97k", tetrahedra(46), springs_volume};
-      },
-      [=] {
-        return Case{"tetrahedra material 4k", with_material(tetrahedra(16)), {}};
-      },
-      [] {
-        return Case{"walls 1k", wall(14), {}};
-      },
-      [] {
-        return Case{"walls 4k", wall(27), {}};
-      },
-      [=] {
-        return Case{"lattice material 2673", with_material(make_block({0.04, 0.04, 0.16}, 8, 8, 32)), {}};
-      },
-      [=] {
-        return Case{"hexahedra material 2673", with_material(bent(make_block({0.04, 0.04, 0.16}, 8, 8, 32))), {}};
-      },
-      [=] {
-        return Case{"lattice material 4k", with_material(block(16, 6)), {}};
-      },
-      [=] {
-        return Case{"lattice material 32k", with_material(block(32, 6)), {}};
-      },
-      [=] {
-        return Case{"cylinder averaged 275", make_cylinder(0.010, 0.040, 3, 8, 11), {.reaction = Reaction::averaged}};
-      },
-      [=] {
-        return Case{"cylinder shared 275", make_cylinder(0.010, 0.040, 3, 8, 11), {.reaction = Reaction::shared}};
-      },
-      [=] {
-        return Case{"cylinder conservative 275", make_cylinder(0.010, 0.040, 3, 8, 11), {}};
-      },
+      {"n6 full shared 4k", [] { return block(16, 6); }, shared_all},
+      {"n6 full averaged 4k", [] { return block(16, 6); }, averaged_all},
+      {"n6 full conservative 4k", [] { return block(16, 6); }, conservative_all},
+      {"n6 full conservative+volume 4k",
+       [] { return block(16, 6); },
+       {.bases = BaseSelection::all, .volume_stiffness = 50.0}},
+      {"n14 full shared 4k", [] { return block(16, 14); }, shared_all},
+      {"n14 full averaged 4k", [] { return block(16, 14); }, averaged_all},
+      {"n14 thresholded shared 1k", [] { return block(10, 14); }, {.reaction = Reaction::shared}},
+      {"springs 1k", [] { return tetrahedra(10); }, springs},
+      {"springs 4k", [] { return tetrahedra(16); }, springs},
+      {"springs 10k", [] { return tetrahedra(22); }, springs},
+      {"springs 97k", [] { return tetrahedra(46); }, springs},
+      {"springs+volume 1k", [] { return tetrahedra(10); }, springs_volume},
+      {"springs+volume 4k", [] { return tetrahedra(16); }, springs_volume},
+      {"springs+volume 10k", [] { return tetrahedra(22); }, springs_volume},
+      {"springs+volume 97k", [] { return tetrahedra(46); }, springs_volume},
+      {"tetrahedra material 4k", [] { return with_material(tetrahedra(16)); }, {}},
+      {"walls 1k", [] { return wall(14); }, {}},
+      {"walls 4k", [] { return wall(27); }, {}},
+      {"lattice material 2673", [] { return with_material(make_block(Vec3(0.04, 0.04, 0.16), 8, 8, 32)); }, {}},
+      {"hexahedra material 2673", [] { return with_material(bent(make_block(Vec3(0.04, 0.04, 0.16), 8, 8, 32))); }, {}},
+      {"lattice material 4k", [] { return with_material(block(16, 6)); }, {}},
+      {"lattice material 32k", [] { return with_material(block(32, 6)); }, {}},
+      {"cylinder averaged 275", [] { return make_cylinder(0.010, 0.040, 3, 8, 11); }, {.reaction = Reaction::averaged}},
+      {"cylinder shared 275", [] { return make_cylinder(0.010, 0.040, 3, 8, 11); }, {.reaction = Reaction::shared}},
+      {"cylinder conservative 275", [] { return make_cylinder(0.010, 0.040, 3, 8, 11); }, {}},
   };
 }
 
@@ -297,8 +239,7 @@ int main(int argc, char** argv) {
               repeats);
   std::printf("%-34s %8s | %8s  %8s %15s %8s | %6s | %s\n", "", "particles", "plain", "1 thread", "", "2", "ratio",
               "2 : 1, of two without anything in common");
-  for (const auto& make : cases()) {
-    const Case test = make();
+  for (const Case& test : cases()) {
     if (test.name.find(filter) != std::string::npos) run(test, repeats);
   }
   return 0;

@@ -4,42 +4,15 @@
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <ctime>
 #include <numbers>
 #include <vector>
 
+#include "stopwatch.h"
+
 namespace phymul::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-const char* name_of(StepStatus status) {
-  switch (status) {
-    case StepStatus::ok:
-      return "ok";
-    case StepStatus::invalid_step:
-      return "invalid_step";
-    case StepStatus::unstable_step:
-      return "unstable_step";
-    case StepStatus::not_finite:
-      return "not_finite";
-    case StepStatus::device_lost:
-      return "device_lost";
-    case StepStatus::volume_lost:
-      return "volume_lost";
-    case StepStatus::not_supported:
-      return "not_supported";
-    case StepStatus::carried_away:
-      return "carried_away";
-  }
-  return "unknown";
-}
 
 /// Rayleigh quotient of the motion from one state to another, 1/s^2: how stiff the body is against it, over its mass.
 /// Negative or not finite for bodies without an energy.
@@ -58,12 +31,6 @@ double stiffness_over_mass(const TopologyTextures& topology, const VecList& from
 
 constexpr std::size_t timed_runs = 5;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 class Relaxing {
  public:
   Relaxing(std::shared_ptr<const TopologyTextures> topology, const Scene& scene, const RelaxationPlan& plan)
@@ -78,7 +45,7 @@ class Relaxing {
   Relaxation run(const VecList& start) {
     State state = rest_state(scene_.model());
     state.position = start;
-    began_ = Clock::now();
+    began_ = {};
     result_.excited = plan_.excited;
     if (result_.excited.omega == 0.0) result_.excited = find_excited(state);
     if (!result_.status.empty()) return result_;
@@ -98,13 +65,13 @@ class Relaxing {
 
   bool failed(const StepReport& report) {
     if (report.ok()) return false;
-    result_.status = name_of(report.status);
     result_.message = report.message();
+    result_.status = result_.message.substr(0, result_.message.find(':'));
     return true;
   }
 
   bool over_budget(double share, const char* stage) {
-    if (seconds_since(began_) < share * plan_.wall_cap) return false;
+    if (began_.seconds() < share * plan_.wall_cap) return false;
     result_.status = "over_budget";
     result_.message = stage;
     return true;
@@ -163,7 +130,7 @@ class Relaxing {
     result_.status = "over_budget";
     result_.message = "not at rest within the time given";
     const double most_steps = std::max(500.0, 2.0 * plan_.patience / (result_.rate * result_.dt));
-    while (seconds_since(began_) < plan_.wall_cap) {
+    while (began_.seconds() < plan_.wall_cap) {
       const RestResult rest = damped->run_to_rest(std::max(8, result_.steps / 16), result_.dt);
       result_.steps += rest.report.steps;
       if (failed(rest.report)) break;
@@ -189,15 +156,15 @@ class Relaxing {
   void time_steps(Solver& solver, const State& start) {
     std::vector<double> seconds, processor;
     const int steps = std::max(1, result_.steps);
-    const auto began = Clock::now();
+    const Stopwatch began;
     do {
       solver.reset(start);
       const std::clock_t processor_begin = std::clock();
-      const auto begin = Clock::now();
+      const Stopwatch begin;
       const int taken = std::max(1, solver.step(steps, result_.dt).steps);
-      seconds.push_back(seconds_since(begin) / taken);
+      seconds.push_back(begin.seconds() / taken);
       processor.push_back(static_cast<double>(std::clock() - processor_begin) / CLOCKS_PER_SEC / taken);
-    } while (seconds.size() < timed_runs && result_.status == "ok" && seconds_since(began) < 0.5 * plan_.wall_cap);
+    } while (seconds.size() < timed_runs && result_.status == "ok" && began.seconds() < 0.5 * plan_.wall_cap);
     result_.wall_per_step = median(std::move(seconds));
     result_.cpu_per_step = median(std::move(processor));
   }
@@ -207,7 +174,7 @@ class Relaxing {
   RelaxationPlan plan_;
   SolverOptions options_;
   Relaxation result_;
-  Clock::time_point began_;
+  Stopwatch began_;
 };
 
 }  // namespace

@@ -15,11 +15,6 @@
 namespace phymul::bench {
 namespace {
 
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
-
 struct Runner {
   std::unique_ptr<Solver> solver;
   SweepRow row;

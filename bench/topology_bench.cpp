@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+#include "stopwatch.h"
+
 namespace {
 
 constexpr double cell_size = 0.005;  // m
@@ -122,11 +124,6 @@ void blade_ticks(benchmark::State& run) {
     pose = first;
     run.ResumeTiming();
   }
-  const auto median = [](std::vector<double>& of) {
-    if (of.empty()) return 0.0;
-    std::ranges::nth_element(of, of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2));
-    return of[of.size() / 2];
-  };
   run.counters["cutting_ms"] = median(cutting);
   run.counters["plain_ms"] = median(plain);
   run.counters["worst_ms"] = cutting.empty() ? 0.0 : std::ranges::max(cutting);

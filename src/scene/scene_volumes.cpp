@@ -110,6 +110,7 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
 /// was cut its parts have copies in place of its particles.
 void Scene::find_open_volumes() {
   open_volumes_.assign(volume_constraints_.size(), 0);
+  if (open_volumes_.empty()) return;
   struct Side {
     std::array<Index, 3> corner;
     std::size_t volume;
@@ -125,7 +126,6 @@ void Scene::find_open_volumes() {
       sides.push_back({{a, b, c}, row, {origin[a], origin[b], origin[c]}});
     }
   }
-  if (sides.empty()) return;
   const auto first = [](const Side& side) { return side.origin[0]; };
   std::ranges::sort(sides, {}, first);
   for (const Cell& cell : model_->cells) {
