@@ -159,8 +159,9 @@ class Simulation {
   /// rewind() also bring back the scene's tools, joints and threads: they remove those that were added since, add those
   /// that were removed, and undo the changes of a JointHandle or ThreadHandle (Scene::bring_back(), which says which
   /// handles stay valid). Loads, gravity, contacts, volume constraints and factors of stiffness stay as they are. To
-  /// start from positions alone, with what the scene has, call set_state(). They throw Error as Solver::restore(),
-  /// save_state() and load_state() do.
+  /// start from positions alone, with what the scene has, call set_state(). A snapshot does not have clamps of threads,
+  /// knots tied again and volumes that no step has applied yet. They throw Error as Solver::restore(), save_state() and
+  /// load_state() do.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
   void save(const std::string& path) const;
@@ -174,7 +175,8 @@ class Simulation {
   bool rewind(double time);
 
   /// Records steps, changes of the state and changes of the scene from now on. Memory grows with their number. Discards
-  /// tool poses and grasps that no step has applied yet: repeat them after this call.
+  /// tool poses, grasps, clamps of threads, knots tied again and volumes that no step has applied yet: repeat them
+  /// after this call.
   void record();
   const Recording& recording() const;  ///< throws Error unless record() was called
   /// Clears the scene and repeats a recording to its end. Throws Error as Replay does. Ends record().
