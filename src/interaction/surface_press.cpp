@@ -33,14 +33,11 @@ int face_of(const BoxPlanes& box, const Vec3& q) {
   return 2 * axis + (below[axis] > above[axis] ? 1 : 0);
 }
 
-/// Of a place inside; before a face or over an edge the depth is not positive.
+/// As distance_from_box(), below the surface.
 Depth<double> depth_below(const BoxPlanes& box, const Vector3<double>& q) {
-  const double x = std::min(box.high[0] - q.x, q.x - box.low[0]), y = std::min(box.high[1] - q.y, q.y - box.low[1]),
-               z = std::min(box.high[2] - q.z, q.z - box.low[2]);
-  const auto side = [&](int axis, double at) { return box.high[axis] - at <= at - box.low[axis] ? 1.0 : -1.0; };
-  if (x <= y && x <= z) return {x, {side(0, q.x), 0.0, 0.0}};
-  if (y <= z) return {y, {0.0, side(1, q.y), 0.0}};
-  return {z, {0.0, 0.0, side(2, q.z)}};
+  const Vec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
+  const Distance<double> from = distance_from_box(q - unpacked(middle), unpacked(half));
+  return {-from.phi, from.normal};
 }
 
 }  // namespace

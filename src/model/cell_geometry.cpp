@@ -110,6 +110,10 @@ bool has_walls(const Model& model) {
          std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_wall(model, cell); });
 }
 
+bool is_made_of_cells(const Model& model) {
+  return std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell.type); });
+}
+
 bool is_solid(int dimension, CellType type) {
   if (dimension == 3) return is_volume(type);
   return type == CellType::triangle || type == CellType::quad;

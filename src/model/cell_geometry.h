@@ -71,20 +71,26 @@ double tissue_volume(const Model& model, const Cell& cell);
 /// wall alone the root of its area per particle.
 double tissue_spacing(const Model& model, std::span<const Index> rows);
 
-/// Calls visit(particles) for every face of a 3-D cell, or every edge of a 2-D cell. `particles` has four entries, in
-/// order around the face. A triangle fills the last one with -1, an edge the last two.
+/// Whether a cell that is_solid(), removed ones included, is in the model.
+bool is_made_of_cells(const Model& model);
+
+/// Particles of a face of a 3-D cell, or of an edge of a 2-D cell, in order around it. A triangle fills the last entry
+/// with -1, an edge the last two.
+inline std::array<Index, 4> face_particles(int dimension, const Cell& cell, std::size_t number) {
+  const std::vector<Index>& own = cell.particles;
+  if (dimension != 3) {
+    const CellEdge& edge = cell_edges(cell.type)[number];
+    return {own[edge[0]], own[edge[1]], -1, -1};
+  }
+  const CellFace& face = cell_faces(cell.type)[number];
+  return {own[face[0]], own[face[1]], own[face[2]], face[3] < 0 ? -1 : own[face[3]]};
+}
+
+/// Calls visit(face_particles()) for each face, or edge.
 template <class Visit>
 void each_face(int dimension, const Cell& cell, Visit visit) {
-  if (dimension == 3) {
-    for (const CellFace& face : cell_faces(cell.type)) {
-      const Index last = face[3] < 0 ? -1 : cell.particles[face[3]];
-      visit({cell.particles[face[0]], cell.particles[face[1]], cell.particles[face[2]], last});
-    }
-  } else {
-    for (const CellEdge& edge : cell_edges(cell.type)) {
-      visit({cell.particles[edge[0]], cell.particles[edge[1]], -1, -1});
-    }
-  }
+  const std::size_t count = dimension == 3 ? cell_faces(cell.type).size() : cell_edges(cell.type).size();
+  for (std::size_t number = 0; number < count; ++number) visit(face_particles(dimension, cell, number));
 }
 
 /// Mean of its vertices, m.

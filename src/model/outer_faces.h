@@ -67,7 +67,7 @@ class OuterFaces {
       found.clear();
       for (const Index place : places) {
         const Cell& cell = model.cells[place / most_faces];
-        found.push_back({&cell, face_of(model.dimension, cell, static_cast<std::size_t>(place % most_faces))});
+        found.push_back({&cell, face_particles(model.dimension, cell, static_cast<std::size_t>(place % most_faces))});
       }
       visit(std::span<const OuterFace>(found));
     }
@@ -83,16 +83,6 @@ class OuterFaces {
     bool changed = false, outer = false;
   };
 
-  /// One that each_face() visits.
-  static std::array<Index, 4> face_of(int dimension, const Cell& cell, std::size_t number) {
-    const std::vector<Index>& own = cell.particles;
-    if (dimension != 3) {
-      const CellEdge& edge = cell_edges(cell.type)[number];
-      return {own[edge[0]], own[edge[1]], -1, -1};
-    }
-    const CellFace& face = cell_faces(cell.type)[number];
-    return {own[face[0]], own[face[1]], own[face[2]], face[3] < 0 ? -1 : own[face[3]]};
-  }
   Index row_of(const FaceKey& key);
   void grow();
   void take_out(Index cell);

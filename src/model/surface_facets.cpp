@@ -57,10 +57,6 @@ std::vector<std::array<Index, 3>> plane_triangles(const Model& model) {
   return triangles;
 }
 
-bool is_made_of_cells(const Model& model) {
-  return std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_solid(model.dimension, cell.type); });
-}
-
 }  // namespace
 
 std::vector<Facet> surface_facets(const Model& model, std::span<const char> chosen) {

@@ -49,8 +49,7 @@ void needle_bearing(const Model& model, std::span<const double> factors, std::ve
   const std::size_t count = model.rest.size();
   bearing.assign(count, std::numeric_limits<double>::infinity());
   std::vector<int> cells(count, 0);
-  // A capsule on tissue says nothing of what is below it.
-  const bool in_space = std::ranges::any_of(model.cells, [&](const Cell& c) { return is_solid(model.dimension, c); });
+  const bool in_space = is_made_of_cells(model);  // then a capsule says nothing of the tissue below it
   for (const Cell& cell : model.cells) {
     if (cell.material < 0 || cell.share == 0.0 || (in_space && !is_solid(model.dimension, cell))) continue;
     for (const Index i : cell.particles) bearing[i] = (cells[i]++ == 0 ? 0.0 : bearing[i]) + limit(cell.material);

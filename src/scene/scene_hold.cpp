@@ -52,8 +52,7 @@ Skin bound(const Model& model, const SurfacePatch& patch) {
 /// Per particle Young's modulus over the distance to its neighbours, Pa/m: means over its cells and their edges.
 std::vector<double> modulus_over_spacing(const Model& model) {
   std::vector<double> modulus(model.rest.size(), 0.0), cells(modulus), distance(modulus), edges(modulus);
-  // A capsule on tissue says nothing of what is below it.
-  const bool in_space = std::ranges::any_of(model.cells, [&](const Cell& c) { return is_solid(model.dimension, c); });
+  const bool in_space = is_made_of_cells(model);  // then a capsule says nothing of the tissue below it
   for (const Cell& cell : model.cells) {
     if (cell.material < 0 || (in_space && !is_solid(model.dimension, cell))) continue;
     for (const Index i : cell.particles) {
