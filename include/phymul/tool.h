@@ -131,10 +131,11 @@ struct SceneTool {
   std::uint64_t id = 0;  ///< unique in its scene, also after tools were removed
   std::string name{};
   Tool tool;
-  ToolPose pose{};           ///< the last target pose
-  std::uint64_t moves = 0;   ///< number of calls of move_to() and teleport()
-  std::uint64_t places = 0;  ///< number of calls of teleport()
-  std::uint64_t grasps = 0;  ///< number of calls of grasp() and release()
+  ToolPose pose{};             ///< the last target pose
+  std::uint64_t moves = 0;     ///< number of calls of move_to() and teleport()
+  std::uint64_t places = 0;    ///< number of calls of teleport()
+  std::uint64_t grasps = 0;    ///< number of calls of grasp() and release()
+  std::uint64_t released = 0;  ///< `grasps` after the last call of release()
   bool grasping = false;
   double grasp_distance = 0.0;  ///< m
 };

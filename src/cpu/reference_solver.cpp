@@ -179,6 +179,7 @@ class ReferenceSolver final : public SolverBackend {
   int& steps_at_rest() { return steps_at_rest_; }
   void drop_step() {
     tools_.drop();
+    if (local_) local_->drop();
     scene().evaluate(state_.time, frame());
   }
   void accept(const StepPlan& plan, Motion& motion) {

@@ -197,7 +197,7 @@ StrainSummary strain_summary(const TopologyTextures& topology, std::span<const V
     largest = std::max(largest, condition);
     count_beyond_law(condition, topology.domains[d].particle, found);
   }
-  found.growth = std::pow(largest, growth_exponent(topology));
+  found.growth = growth_of(topology, growth_exponent(topology), largest);
   return found;
 }
 

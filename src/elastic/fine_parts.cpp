@@ -50,7 +50,7 @@ std::vector<double> own_rates(const TopologyTextures& t) {
     for (const SurfaceLinkTexel& link : t.surface_links_of(d)) add(link.offset, link.area);
     rate[i] += inverse_volume * own.squaredNorm();
   }
-  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] /= t.mass[i];
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = t.mass[i] > 0.0 ? rate[i] / t.mass[i] : 0.0;
   return rate;
 }
 
@@ -187,7 +187,11 @@ double FineParts::added_energy(std::span<const Vec3> v, std::span<const Vec3> ne
 
 FineParts choose_fine_parts(const TopologyTextures& t, const std::vector<bool>& excluded) {
   const std::vector<double> own = own_rates(t), spacing = spacings(t);
-  const auto [least, most] = std::ranges::minmax(own);
+  const double most = std::ranges::max(own);
+  double least = most;
+  for (const double rate : own) {
+    if (rate > 0.0) least = std::min(least, rate);
+  }
   double least_cost = (1.0 - least_gain) * std::sqrt(most);
   FineParts best;
   for (double rate = most / finer; rate > least; rate /= finer) {

@@ -88,6 +88,7 @@ class LocalForces {
     pushes_.swap(next_pushes_);
     pushed_ = std::exchange(next_pushed_, false);
   }
+  void drop() { next_pushed_ = false; }  ///< it does not
   /// [n] N, those of the step before; empty: none.
   std::span<const Vec3> acting() const { return pushed_ ? std::span<const Vec3>(pushes_) : std::span<const Vec3>(); }
   void reset();  ///< no pushes

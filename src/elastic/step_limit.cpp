@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "model/cell_geometry.h"
 #include "scaled_stiffness.h"
 
 namespace phymul {
@@ -37,6 +38,7 @@ double taking_part(const std::vector<double>& share) {
 LimitingPlace place_of(const Model& model, const std::vector<double>& share) {
   LimitingPlace place;
   for (std::size_t c = 0; c < model.cells.size(); ++c) {
+    if (cell_edges(model.cells[c].type).empty() || model.cells[c].share == 0.0) continue;  // a list; removed
     double sum = 0.0;
     for (const Index i : model.cells[c].particles) sum += share[i];
     if (sum <= place.share) continue;

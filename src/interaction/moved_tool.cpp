@@ -109,9 +109,9 @@ bool MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once
     motion.done = 0;
   }
   if (report.grasps == wanted.grasps) return moves;
-  report.grasps = wanted.grasps;
+  releases = wanted.released > report.grasps;
   grasps = wanted.grasping;
-  releases = !wanted.grasping;
+  report.grasps = wanted.grasps;
   grasp_distance = wanted.grasp_distance;
   return moves;
 }

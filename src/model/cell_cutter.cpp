@@ -174,9 +174,13 @@ class CellCutter {
   void look_around(Index particle) {
     around_.clear();
     faces_.clear();
+    removed_mass_ = 0.0;
     bool has_wall = false;
     for (const Index row : body_.cells_of[particle]) {
-      if (body_.model.cells[row].share == 0.0) continue;
+      if (body_.model.cells[row].share == 0.0) {
+        removed_mass_ += body_.mass_of_corner(row);
+        continue;
+      }
       if (!piece_of_.contains(row)) add_piece(row, false, part_of(body_.model.cells[row]));
       has_wall = has_wall || is_wall_row(row);
       const std::size_t first = piece_of_.at(row);
@@ -258,6 +262,7 @@ class CellCutter {
     if (found.size() < 2) return;
     std::ranges::stable_sort(found, std::greater(),
                              [](const Group& group) { return std::pair(group.own, group.mass); });
+    found.front().mass += removed_mass_;  // removed cells stay with the particle's own number
     const double mass = body_.mass[particle];
     double whole = 0.0, sum = 0.0;
     for (const Group& group : found) whole += group.mass;
@@ -311,6 +316,7 @@ class CellCutter {
   // Of the particle at hand:
   std::vector<std::size_t> around_;  // pieces
   std::vector<Face> faces_;          // by their particles; `piece`: of around_
+  double removed_mass_ = 0.0;        // kg, of the particle's corners in removed cells
   std::vector<FaceCut> cuts_of_face_;
 };
 

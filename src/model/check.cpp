@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "base/place_text.h"
+#include "cell_cutter.h"
 #include "cell_geometry.h"
 #include "duplicates.h"
 #include "file_extras.h"
@@ -188,8 +189,11 @@ std::vector<Index> rows_of(const Repeats& repeats) {
   return rows;
 }
 
-void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
-  const Repeats cells = repeated_cells(model.cells);
+void look_for_repeats(const Model& model, const std::vector<char>& spare, std::vector<Finding>& findings) {
+  Repeats cells = repeated_cells(model.cells);
+  std::erase_if(cells, [&](const auto& pair) {  // parts of one cell where a cut ends
+    return model.cells[pair.first].share < 1.0 && model.cells[pair.second].share < 1.0;
+  });
   const std::string cell_names = first_few(cells, [&](const std::pair<Index, Index>& pair) {
     return std::to_string(cell_number(model, pair.first)) + " repeats " +
            std::to_string(cell_number(model, pair.second));
@@ -198,7 +202,8 @@ void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
        counted(cells.size(), "cell stands", "cells stand") + " over the particles of another: " +
            word_before(extras_of(model).cell_index) + cell_names + "; keep one of each, or their volume counts twice",
        findings);
-  const Repeats points = repeated_points(model.rest, same_point_ratio * body_size(model));
+  Repeats points = repeated_points(model.rest, same_point_ratio * body_size(model));
+  std::erase_if(points, [&](const auto& pair) { return spare[pair.first] != 0 || spare[pair.second] != 0; });
   const std::string point_names = first_few(points, [&](const std::pair<Index, Index>& pair) {
     return std::to_string(model.file_index(pair.first)) + " on " + std::to_string(model.file_index(pair.second));
   });
@@ -209,12 +214,12 @@ void look_for_repeats(const Model& model, std::vector<Finding>& findings) {
        findings);
 }
 
-void look_at_masses(const Model& model, std::vector<Finding>& findings) {
+void look_at_masses(const Model& model, const std::vector<char>& spare, std::vector<Finding>& findings) {
   const double sum = std::accumulate(model.mass.begin(), model.mass.end(), 0.0);
   const double least = massless_ratio * sum / static_cast<double>(model.mass.size());
   std::vector<Index> items;
   for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.mass[i] < least) items.push_back(i);
+    if (model.mass[i] < least && spare[i] == 0) items.push_back(i);
   }
   tell(Flaw::massless, items, false,
        counted(items.size(), "particle has", "particles have") + " next to no mass beside the mean: " +
@@ -254,11 +259,13 @@ std::vector<char> outside_the_cells(const Model& model) {
   return outside;
 }
 
-void look_at_neighbours(const Model& model, bool mending, std::vector<Finding>& findings) {
+void look_at_neighbours(const Model& model, const std::vector<char>& spare, bool mending,
+                        std::vector<Finding>& findings) {
   const std::size_t needed = model.dimension == 3 ? 3 : 2;
   const std::vector<char> outside = outside_the_cells(model);
   std::vector<Index> isolated, few, own, others;
   for (Index i = 0; i < model.particle_count(); ++i) {
+    if (spare[i] != 0) continue;
     gather_neighbours(model, i, others);
     if (others.empty() || outside[i]) isolated.push_back(i);
     // Two points always lie on a line, which in the plane is all that a base needs.
@@ -295,9 +302,11 @@ void look_at_units(const Model& model, std::vector<Finding>& findings) {
 std::vector<Finding> look(const Model& model, bool mending) {
   std::vector<Finding> findings;
   look_at_cells(model, mending, findings);
-  look_for_repeats(model, findings);
-  look_at_masses(model, findings);
-  look_at_neighbours(model, mending, findings);
+  std::vector<char> spare(model.rest.size(), 0);
+  for (const Index i : spare_particles_of(model)) spare[i] = 1;
+  look_for_repeats(model, spare, findings);
+  look_at_masses(model, spare, findings);
+  look_at_neighbours(model, spare, mending, findings);
   look_at_units(model, findings);
   return findings;
 }

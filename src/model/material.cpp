@@ -111,6 +111,9 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
 /// Particles without cells: the same for all of them. Masses from their share of space, which takes neighbours.
 void set_material_of_points(Model& model, const Material& material) {
   validate(model);
+  if (material.fibre_ratio > 1.0) {
+    throw Error(ErrorCode::not_supported, "set_material: a body of points has no fibres; give it cells (make_body)");
+  }
   Model changed = model;
   if (changed.neighbours.entry.empty() && changed.particle_count() > 1) {
     changed.neighbours = nearest_neighbours(changed.rest, std::min(usual_neighbours, changed.particle_count() - 1));

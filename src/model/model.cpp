@@ -47,7 +47,7 @@ const char* cell_name(CellType type) {
 bool Model::operator==(const Model& other) const {
   return name == other.name && dimension == other.dimension && rest == other.rest && mass == other.mass &&
          stiffness == other.stiffness && neighbours == other.neighbours && cells == other.cells &&
-         components == other.components && materials == other.materials &&
+         components == other.components && materials == other.materials && most_mass_moved == other.most_mass_moved &&
          (extras == other.extras || extras_of(*this) == extras_of(other));
 }
 

@@ -118,6 +118,7 @@ Model merge_models(std::span<const NamedBody> bodies) {
   require_joinable(bodies);
   Model all;
   all.dimension = bodies.front().model->dimension;
+  all.most_mass_moved = 1.0;
   Component names;  // the parent of the bodies' groups
   names.name = "Bodies";
   names.exclusive = names.structural = false;
@@ -128,6 +129,7 @@ Model merge_models(std::span<const NamedBody> bodies) {
     append_particles(all, *body.model, first);
     append_cells(all, *body.model, first);
     append_components(all, body, first, first_cell);
+    all.most_mass_moved = std::min(all.most_mass_moved, body.model->most_mass_moved);
     for (const std::string& note : body.model->notes) all.notes.push_back(body.name + ": " + note);
   }
   validate(all);

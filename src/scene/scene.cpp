@@ -292,13 +292,12 @@ void Scene::follow_copies(const BodyCuts& cuts) {
   for (const auto& cut : cuts) now.insert(now.end(), cut->copies.begin(), cut->copies.end());
   const auto stays = std::ranges::mismatch(copies_, now);
   for (std::size_t row = 0; row < loads_.size(); ++row) {
-    const bool on_all = loads_[row].type != LoadType::force;
+    if (loads_[row].type == LoadType::force) continue;
     std::vector<Index>& particles = loads_[row].particles;
     const std::size_t before = particles.size();
     for (auto old = stays.in1; old != copies_.end(); ++old) std::erase(particles, old->particle);
     bool changed = particles.size() != before;
     for (auto added = stays.in2; added != now.end(); ++added) {
-      if (!on_all) continue;
       if (std::ranges::find(particles, added->of) == particles.end()) continue;
       particles.push_back(added->particle);
       changed = true;

@@ -230,7 +230,7 @@ void ToolHandle::grasp(double distance) const {
 void ToolHandle::release() const {
   SceneTool& tool = own();
   tool.grasping = false;
-  ++tool.grasps;
+  tool.released = ++tool.grasps;
 }
 
 }  // namespace phymul

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
 
 namespace phymul {
@@ -41,6 +42,7 @@ bool fits(const ToolState& tool, Index particle_count) {
     return false;
   }
   if (!std::ranges::all_of(tool.held, is_particle) || !std::ranges::all_of(tool.held_at, finite)) return false;
+  if (std::set(tool.held.begin(), tool.held.end()).size() != tool.held.size()) return false;
   return std::ranges::all_of(tool.needle.hole, [&](const NeedleNode& node) {
     return !node.particles.empty() && node.particles.size() == node.weights.size() &&
            std::ranges::all_of(node.particles, is_particle) && fits(node.weights);
@@ -60,9 +62,10 @@ constexpr const char* what_to_do =
     "State::tools";
 
 void require_fitting_shape(const ToolState& state, const SceneTool& tool) {
-  if (is_needle(tool) && !state.held.empty()) {
+  if ((is_needle(tool) || is_blade(tool)) && !state.held.empty()) {
     throw Error("Solver::reset: the state of tool \"" + state.name + "\" holds " + std::to_string(state.held.size()) +
-                " particles, but the scene's tool of that name is a needle, which cannot" + what_to_do);
+                " particles, but the scene's tool of that name is a " + (is_needle(tool) ? "needle" : "blade") +
+                ", which cannot" + what_to_do);
   }
   if (!is_blade(tool) && !state.blade.empty()) {
     throw Error("Solver::reset: the state of tool \"" + state.name +
@@ -90,9 +93,9 @@ bool touches_surface(const std::vector<SceneTool>& tools) {
 void require_tool_states(const State& state, Index particle_count, const std::vector<SceneTool>& tools) {
   for (const ToolState& tool : state.tools) {
     if (!fits(tool, particle_count)) {
-      throw Error(
-          "Solver::reset: the state of tool \"" + tool.name +
-          "\" has particles that this model does not have, lists of unlike lengths, or numbers that no tool has");
+      throw Error("Solver::reset: the state of tool \"" + tool.name +
+                  "\" has particles that this model does not have, lists of unlike lengths, or numbers that no tool "
+                  "has, or holds a particle twice");
     }
     const auto own = std::ranges::find(tools, tool.name, &SceneTool::name);
     if (own != tools.end()) require_fitting_shape(tool, *own);

@@ -158,13 +158,15 @@ void Recorder::record_tool(const SceneTool& tool) {
     pose_fields(out, tool.pose);
     record(input_kind::pose, out.bytes());
   }
-  if (seen.grasps != tool.grasps) {
+  const auto record_grasp = [&](bool grasps) {
     ByteWriter out;
     out.text(tool.name);
-    out.u8(tool.grasping ? 1 : 0);
+    out.u8(grasps ? 1 : 0);
     out.real(tool.grasp_distance);
     record(input_kind::grasp, out.bytes());
-  }
+  };
+  if (tool.released > seen.grasps) record_grasp(false);
+  if (seen.grasps != tool.grasps && tool.grasping) record_grasp(true);
   seen = {tool.moves, tool.places, tool.grasps};
 }
 

@@ -75,8 +75,8 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
     const ToolHandle handle = scene.tool(tool.name);
     if (seen.places != tool.places) handle.teleport(tool.pose);
     if (seen.places == tool.places && seen.moves != tool.moves) handle.move_to(tool.pose);
-    if (seen.grasps == tool.grasps) continue;
-    tool.grasping ? handle.grasp(tool.grasp_distance) : handle.release();
+    if (tool.released > seen.grasps) handle.release();
+    if (seen.grasps != tool.grasps && tool.grasping) handle.grasp(tool.grasp_distance);
   }
   const std::size_t known = warnings.size();
   look_for_tools_beyond_cuts(model, scene, warnings);

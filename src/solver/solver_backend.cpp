@@ -339,8 +339,8 @@ void SolverBackend::do_snapshot(Snapshot& snapshot) const {
 void SolverBackend::refuse_parts(const Snapshot& snapshot) const {
   if (snapshot.parts.empty()) return;
   throw Error(ErrorCode::not_supported, "Solver::restore: the snapshot holds \"" + snapshot.parts.front().name +
-                                            "\", of which the backend \"" + name_ +
-                                            "\" knows nothing; restore it in the backend that made it");
+                                            "\", of which this solver of \"" + name_ +
+                                            "\" knows nothing; restore it with the same backend and options");
 }
 
 void SolverBackend::do_restore(const Snapshot& snapshot) {

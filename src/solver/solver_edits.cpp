@@ -119,7 +119,9 @@ void SolverBackend::continue_copies(std::span<const Index> domains) {
   }
   continue_strains(*topology_, domains, copied, now);  // by the velocities that led here
   carry_momentum(exchanged, topology_->mass, now.state.velocity);
+  const auto beyond = std::tuple(first_beyond_, beyond_since_);
   restore(now);
+  std::tie(first_beyond_, beyond_since_) = beyond;
 }
 
 void SolverBackend::do_body_changed(std::span<const Index>) {

@@ -294,6 +294,24 @@ TEST(Sleep, LetsWhatNothingHoldsFall) {
   EXPECT_NEAR(fallen / (0.5 * time * time), 1.0, 0.01);
 }
 
+/// A flap beside a cut is pushed: its copies move with what they hang on.
+TEST(Sleep, KnowsWhatACutHasParted) {
+  State ends[2];
+  for (const bool sleeps : {false, true}) {
+    SimulationOptions options{.backend = "cpu", .damping = {.rate = 20}};
+    if (sleeps) options.solver.sleep_tolerance = 0.0;
+    Simulation sim(with_spare_particles(long_tetrahedra(), 600), options);
+    ASSERT_TRUE(sim.cut(cut_plane({0.121, 0.0, 0.0}, {1.0, 0.2, 0.1})));
+    const double dt = 0.3 * sim.solver().stable_step();
+    sim.step(20, dt);
+    sim.scene().add(pull(sim.model(), "x1", {0, 1, -1}, {{sim.time(), 1e-3}}, LoadType::force));
+    ASSERT_TRUE(sim.step(100, dt).ok());
+    EXPECT_GT(largest_distance(sim.solver().read().position, sim.model().rest), 1e-5);
+    ends[sleeps] = sim.solver().read();
+  }
+  EXPECT_TRUE(same_bits(ends[0], ends[1]));
+}
+
 TEST(Sleep, RefusesWhatIsNoTolerance) {
   const Model model = wide_block();
   const Scene scene(model);

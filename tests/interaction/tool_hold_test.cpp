@@ -53,6 +53,17 @@ TEST_P(ToolHold, CanBeAskedForAtAnyTime) {
   EXPECT_TRUE(refuses([&] { solver_->held("none"); }, "no tool \"none\""));
 }
 
+/// As asked, and not what the jaw held before as well.
+TEST_P(ToolHold, IsTakenAnewAfterAReleaseInTheSameStep) {
+  make_here();
+  const ToolHandle jaw = scene_.tool("jaw");
+  jaw.grasp(1.0);
+  EXPECT_EQ(held_after_a_step("jaw"), model_.particle_count());
+  jaw.release();
+  jaw.grasp(near);
+  EXPECT_EQ(held_after_a_step("jaw"), face);
+}
+
 TEST_P(ToolHold, AskedForBeforeTheSolverWasThereIsTaken) {
   scene_.tool("jaw").grasp(near);
   make_here();
@@ -179,6 +190,9 @@ TEST_P(ToolHoldAndNeedle, OfAnotherShapeIsRefusedAndTheSolverIsAsItWas) {
   EXPECT_TRUE(refuses([&] { solver_->reset(holding.state); }, "is a needle"));
   EXPECT_EQ(solver_->snapshot(), with_needle);
   EXPECT_EQ(held("jaw"), 0);
+  Snapshot twice = holding;
+  twice.state.tools[0].held[1] = twice.state.tools[0].held[0];
+  EXPECT_TRUE(refuses([&] { solver_->restore(twice); }, "or holds a particle twice"));
 
   Snapshot pierced = holding;
   pierced.state.tools[0].held.clear();

@@ -47,6 +47,10 @@ TEST(SeveralBodies, NamesMaterialsAndRowsAreKept) {
   EXPECT_EQ(found[0].name, "soft");
   EXPECT_EQ(found[1].name, "hard");
   EXPECT_EQ(found[1].particles, both.group("hard"));
+  Model as_it_is = organs.hard;
+  as_it_is.most_mass_moved = 0.0;
+  EXPECT_NE(as_it_is, organs.hard);
+  EXPECT_EQ(merge_models(std::vector<NamedBody>{{"soft", &organs.soft}, {"hard", &as_it_is}}).most_mass_moved, 0.0);
 }
 
 /// A merged model is a PML file as good as any, and its loads go by the prefixed names.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "support/message_of.h"
 #include "support/stroke.h"
 
 namespace phymul {
@@ -44,6 +45,14 @@ TEST(BladeState, ATeleportedOneCutsNothingOnItsWay) {
     ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
     EXPECT_TRUE(stroke.sim.cuts().empty()) << x;
   }
+}
+
+TEST(BladeState, HasNothingThatItGrasps) {
+  Stroke stroke("cpu", 0.0, -0.005);
+  State state = stroke.sim.state();
+  state.tools[0].held = {0};
+  state.tools[0].held_at = {Vec3::Zero()};
+  EXPECT_TRUE(refuses([&] { stroke.sim.set_state(state); }, "is a blade, which cannot"));
 }
 
 TEST(BladeState, AFastOneGoesOnFromARecordingAsItDid) {

@@ -6,6 +6,7 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 
 #include "model/outer_faces.h"
@@ -227,9 +228,13 @@ TEST_P(CutOn, KeepsTheMomentum) {
   }
 }
 
+/// Under a force on all particles, also on those that are spare.
 TEST_P(CutOn, ComesBackAndIsMadeAgain) {
   Simulation sim(with_spare_particles(slab(), 300), options_for(GetParam()));
-  sim.scene().fix("x0").gravity({0, 0, -9.81});
+  Load push{.type = LoadType::force, .events = {{0.0, 1e-5}}, .direction = {0, 1, 0}};
+  push.particles.resize(static_cast<std::size_t>(sim.model().particle_count()));
+  std::iota(push.particles.begin(), push.particles.end(), 0);
+  sim.scene().fix("x0").gravity({0, 0, -9.81}).add(push);
   sim.advance(0.02);
   sim.keep_history(1);
   const Snapshot whole = sim.snapshot();
@@ -252,7 +257,7 @@ TEST_P(CutOn, ComesBackAndIsMadeAgain) {
   const std::string path = testing::TempDir() + "cut_" + GetParam() + ".state";
   sim.save(path);
   Simulation other(with_spare_particles(slab(), 300), options_for(GetParam()));
-  other.scene().fix("x0").gravity({0, 0, -9.81});
+  other.scene().fix("x0").gravity({0, 0, -9.81}).add(push);
   other.load(path);
   EXPECT_EQ(other.solver().read(), later);
   EXPECT_TRUE(equal_cuts(other.cuts(), sim.cuts()));

@@ -151,6 +151,9 @@ TEST_F(RecordingTest, ToolsMoveAgainAsTheyDid) {
     for (const Input& input : recorder.recording().inputs) middle_at += input.times;
     recorder.step(5, dt);
     scene.tool("ball").release();
+    scene.tool("ball").grasp(0.0005);
+    recorder.step(5, dt);
+    scene.tool("ball").release();
     scene.tool("ball").teleport({.position = {0.03, 0.015, 3.04}});
     scene.add_tool("floor", {.shape = HalfSpace{}, .pose = {.position = {0, 0, 2.99}}});
     recorder.step(5, dt);

@@ -202,6 +202,28 @@ TEST(RemoveCells, KeepTheStepBelowItsLimit) {
   }
 }
 
+/// Where one light particle sets the step of the whole body, and in the plane.
+TEST(RemoveCells, OfUnlikeRatesKeepTheStepBelowItsLimit) {
+  Model light = make_tetrahedral_block({0.05, 0.05, 0.05}, 4, 4, 4, 0.3, 5), plane = make_strip(0.05, 0.05, 6, 6, true);
+  light.most_mass_moved = 0.0;
+  for (Model* model : {&light, &plane}) {
+    set_material(*model, {3e3, 0.45, 1000.0});
+    const auto count = static_cast<Index>(model->cells.size());
+    for (int way = 0; way < 20; ++way) {
+      Simulation sim(*model, {});
+      const double before = sim.solver().spectrum().largest;
+      std::mt19937 bits(way);
+      std::vector<Index> rows(static_cast<std::size_t>(count));
+      std::iota(rows.begin(), rows.end(), 0);
+      std::ranges::shuffle(rows, bits);
+      rows.resize(rows.size() * static_cast<std::size_t>(1 + way % 9) / 10);
+      sim.remove_cells(rows);
+      const TopologyTextures& now = sim.solver().topology();
+      EXPECT_LE(estimate_spectrum(now, now.rest).largest, 1.01 * now.stiffened * before) << way;
+    }
+  }
+}
+
 /// Of a solver that was made after cells had been removed, when they come back.
 TEST(RemoveCells, ASecondSolverKeepsItsStepBelowTheLimit) {
   Model model = slab();

@@ -3,6 +3,7 @@
 // The step that Simulation::advance() takes: as long as the deformation of the present state allows.
 #include <gtest/gtest.h>
 #include <phymul/elasticity.h>
+#include <phymul/wall.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -121,6 +122,34 @@ TEST(FrequencyGrowth, IsTheSameOnBothProcessorBackends) {
   EXPECT_GT(growth, 1.2);
   EXPECT_NEAR(single.advance(1e-3).growth, growth, 5e-3 * growth);  // of states a step apart
   EXPECT_NEAR(frequency_growth(exact.solver().topology(), exact.solver().read().position), growth, 1e-12 * growth);
+}
+
+/// Where what it was calibrated on does not hold, it is not known, and a step takes half of its limit.
+TEST(FrequencyGrowth, IsUnknownWithWallsAndOfCompressibleTissue) {
+  Model capsule = tetrahedra(), sponge = tetrahedra();
+  set_material(capsule, of_organs);
+  add_capsule(capsule, {.young = 1e7, .poisson = 0.4, .density = 1000, .thickness = 2.5e-4});
+  set_material(sponge, {.young = 5e3, .poisson = 0.2, .density = 1000});
+  for (const Model& model : {capsule, sponge}) {
+    for (const char* backend : {"reference", "cpu"}) {
+      Simulation sim(model, {.backend = backend});
+      sim.scene().fix("z0");
+      EXPECT_EQ(sim.advance(1e-3).growth, std::numeric_limits<double>::infinity());
+      EXPECT_NEAR(share(sim, 1e-6), 0.5, 1e-12);
+    }
+  }
+}
+
+/// Of numbers of particles that fill the last vector and that do not.
+TEST(FrequencyGrowth, OfStiffeningBodiesAtRestIsOne) {
+  for (const int n : {7, 8}) {
+    Model model = make_tetrahedral_block({0.03, 0.03, 0.03}, n, n, n, 0.1, 7);
+    set_material(model, {.young = 5e3, .poisson = 0.4, .density = 1000, .stiffening = like_cortex});
+    Simulation sim(model, {.backend = "cpu"});
+    sim.scene().fix("x0");
+    EXPECT_NEAR(sim.advance(1e-3).growth, 1.0, 1e-4) << n;
+    EXPECT_NEAR(share(sim, 1e-3), 0.9, 1e-3) << n;
+  }
 }
 
 TEST(SimulationStep, FollowsTheDeformation) {

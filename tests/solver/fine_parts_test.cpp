@@ -115,6 +115,9 @@ TEST_P(FinePartsOn, NeitherSmallCellsNorALockSetTheStep) {
   EXPECT_LT(together, 0.5 * alone);
   const double free = local_solver(GetParam(), model, scene, 16)->stable_step();
   EXPECT_GT(free, 1.7 * together);
+  const Model with_room = with_spare_particles(model, 10);
+  const Scene of_room(with_room);
+  EXPECT_NEAR(local_solver(GetParam(), with_room, of_room, 16)->stable_step(), free, 1e-3 * free);
   add_lock(scene);
   EXPECT_LT(local_solver(GetParam(), model, scene, 1)->stable_step(), 0.1 * alone);
   EXPECT_EQ(local_solver(GetParam(), model, scene, 16)->stable_step(), free);

@@ -2,6 +2,7 @@
 //
 // Bodies come back from states no tissue is in, at half the step limit; and what cannot come back is reported.
 #include <gtest/gtest.h>
+#include <phymul/phymul.h>
 
 #include "support/failure_states.h"
 #include "support/message_of.h"
@@ -97,6 +98,29 @@ TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
 }
 
 /// A twentieth of strain let go at once, and sheared at five times a second, is no failure.
+/// A grasp pulls farther than numbers reach, in a body that is computed in substeps. What it pushed with is forgotten.
+TEST(Recovery, AFailedStepLeavesNoPush) {
+  for (const char* backend : {"reference", "cpu"}) {
+    Model model = make_tetrahedral_block({0.06, 0.03, 0.03}, 12, 6, 6, 0.1, 7);
+    model.add_group("hard", model.particles_in([](const Vec3& x) { return x.x() > 0.039; }));
+    set_material(model, soft_tissue());
+    set_material(model, {5e5, 0.4, 1000.0}, "hard");
+    Simulation sim(model, {.backend = backend, .damping = {.rate = 50}, .solver = {.max_substeps = 10}});
+    ASSERT_GT(sim.solver().substeps(), 1);
+    sim.scene().fix("x0");
+    const ToolHandle tip =
+        sim.scene().add_tool("tip", {.shape = Sphere{0.005}, .pose = {.position = {0.06, 0.015, 0.015}}});
+    tip.grasp(0.005);
+    ASSERT_TRUE(sim.advance(0.01).ok());
+    tip.move_to({.position = {1e12, 0, 0}});
+    EXPECT_EQ(sim.advance(0.01).status, StepStatus::not_finite) << backend;
+    sim.scene().remove_tool("tip");
+    const StepReport after = sim.advance(0.01);
+    EXPECT_TRUE(after.ok()) << backend << ": " << after.message();
+    EXPECT_LT(after.max_speed, 1e-6) << backend;
+  }
+}
+
 TEST(Recovery, OrdinaryMotionIsNotCut) {
   const Model model = cube(0.3);
   Scene scene = Scene(model).fix("x0");

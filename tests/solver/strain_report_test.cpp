@@ -2,6 +2,7 @@
 //
 // What StepReport says of a body that is strained farther than its law is meant for.
 #include <gtest/gtest.h>
+#include <phymul/phymul.h>
 
 #include "support/bodies.h"
 #include "support/message_of.h"
@@ -54,6 +55,48 @@ TEST_P(StrainReport, KeepsWhereAndWhenItBegan) {
   EXPECT_EQ(later.beyond_since, dt);
   solver_->reset();
   EXPECT_EQ(solver_->step(1, dt).first_beyond, -1);
+}
+
+/// A bar is drawn out to two and a half times its length within 0.2 s.
+Simulation drawn(const char* backend, const SolverOptions& options = {}) {
+  const Model bar = with_material(make_tetrahedral_block({0.06, 0.02, 0.02}, 18, 6, 6, 0.1, 7), {5e3, 0.4, 1000});
+  Simulation sim(with_spare_particles(bar, 300), {.backend = backend, .damping = {.rate = 50}, .solver = options});
+  sim.scene().fix("x0").add({.type = LoadType::translation,
+                             .particles = sim.model().group("x1"),
+                             .events = {{0.0, 0.0}, {0.2, 0.09}},
+                             .direction = {1, 0, 0}});
+  return sim;
+}
+
+TEST_P(StrainReport, IsKnownAtRestAndOutlivesACut) {
+  Simulation sim = drawn(GetParam());
+  ASSERT_TRUE(sim.advance(0.21).ok());
+  const StepReport at_rest = sim.run_to_rest().report, next = sim.advance(0.01);
+  EXPECT_GT(next.beyond_law, 100);
+  EXPECT_EQ(at_rest.beyond_law, next.beyond_law);
+  EXPECT_NEAR(at_rest.growth, next.growth, 1e-3 * next.growth);
+  CutSurface half = cut_plane({0.03, 0.0, 0.0}, {1.0, 0.0, 0.0});
+  half.front = [](const Vec3& x) { return x.z() - 0.005; };
+  ASSERT_TRUE(sim.cut(half));
+  const StepReport after = sim.advance(0.01);
+  EXPECT_EQ(after.first_beyond, next.first_beyond);
+  EXPECT_EQ(after.beyond_since, next.beyond_since);
+}
+
+TEST(StrainReportOfSleep, IsThatOfABodyAwake) {
+  Simulation awake = drawn("cpu"), asleep = drawn("cpu", {.sleep_tolerance = 1e-4});
+  const Snapshot start = asleep.snapshot();
+  StepReport reports[2];
+  for (int k = 0; k < 8; ++k) {
+    reports[0] = awake.advance(0.25);
+    reports[1] = asleep.advance(0.25);
+  }
+  EXPECT_EQ(reports[1].max_speed, 0.0);
+  EXPECT_GT(reports[0].beyond_law, 100);
+  EXPECT_EQ(reports[1].beyond_law, reports[0].beyond_law);
+  EXPECT_NEAR(reports[1].growth, reports[0].growth, 1e-3 * reports[0].growth);
+  asleep.restore(start);
+  EXPECT_EQ(asleep.advance(0.0).beyond_law, 0);
 }
 
 /// Undamped under ten times its weight, at half of the step limit, a beam that hangs from one end is torn out of its

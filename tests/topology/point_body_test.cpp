@@ -327,6 +327,9 @@ TEST(PointBody, NonsenseIsRefusedWithWhatToDo) {
   Model flat = good;
   for (Vec3& p : flat.rest) p.z() = 0.01;
   EXPECT_TRUE(refuses([&] { set_material(flat, soft_tissue()); }, "not in one plane"));
+  Material fibrous = soft_tissue();
+  fibrous.fibre_ratio = 5.0;
+  EXPECT_TRUE(refuses([model = good, &fibrous]() mutable { set_material(model, fibrous); }, "has no fibres"));
   EXPECT_TRUE(refuses([] { nearest_neighbours({Vec3::Zero()}, 1); }, "nearest_neighbours: expected 1 to 0"));
 }
 

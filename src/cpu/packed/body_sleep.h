@@ -86,7 +86,6 @@ class BodySleep {
   void begin(const simd::Move& move, const RestThresholds& hold);
   bool all() const { return chosen_.size() == static_cast<std::size_t>(blocks_.count); }
   bool none() const { return chosen_.empty(); }
-  double share() const { return static_cast<double>(chosen_.size()) / blocks_.count; }
 
   /// Further domains (PackedAverages::further) of the chosen blocks.
   void copy_displacements(char* u, char* next_u) const;
@@ -110,7 +109,7 @@ class BodySleep {
   void push(std::span<const std::size_t> quads);
   /// The particle's displacement changes after the last move() of the step.
   void shift(std::size_t quad);
-  /// The step counts. If it does not, wake_all().
+  /// The step counts. If it does not, compute_all().
   void accept();
 
   /// How long each block was below the thresholds, for snapshots: with the same numbers, states and loads further steps

@@ -146,10 +146,13 @@ bool AveragedPasses::scale(const TopologyTextures& topology, const std::vector<d
 
 StrainSummary AveragedPasses::strain(const TopologyTextures& topology) const {
   StrainSummary found;
-  const double largest = *std::ranges::max_element(condition_);
-  found.growth = std::pow(largest, growth_exponent_);
-  if (largest < 1e6) return found;
+  double largest = 1.0;
   const std::vector<Index>& domains = body_.averages.domain_of_place;
+  for (std::size_t place = 0; place < domains.size(); ++place) {
+    if (domains[place] != none) largest = std::max(largest, double{condition_[place]});  // else of constants of 0
+  }
+  found.growth = growth_of(topology, growth_exponent_, largest);
+  if (largest < 1e6) return found;
   for (std::size_t place = 0; place < domains.size(); ++place) {
     if (domains[place] != none) count_beyond_law(condition_[place], topology.domains[domains[place]].particle, found);
   }
@@ -176,7 +179,6 @@ void AveragedPasses::for_each_pass(const simd::Averaged& job, WorkLaps& laps, co
 
 void AveragedPasses::run(char* force, char* u, char* next_u, const simd::Dissipation* dissipation,
                          const BodySleep* sleep, bool last, ThreadPool& pool, WorkLaps& laps) {
-  if (last && sleep != nullptr) std::ranges::fill(condition_, 1.0f);
   if (sleep != nullptr && sleep->none()) return;
   const PackedAverages& averages = body_.averages;
   simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);

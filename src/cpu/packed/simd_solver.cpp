@@ -143,7 +143,7 @@ class SimdSolver final : public SolverBackend {
         v_[velocity_at(*body_, place, a)] = 0.0f;
       }
     }
-    if (sleep_) sleep_->wake_all();
+    if (sleep_) sleep_.emplace(topology(), *body_, options().rest_steps);  // others reach each other now
   }
 
   void follow_scene_parts() {
@@ -173,8 +173,9 @@ class SimdSolver final : public SolverBackend {
     if (!tools_.empty()) tools_.set().begin_call(scene(), plan.steps, plan.stop_at_rest);
     Motion motion = StepOrder::run(*this, plan);
     if (averaged_) {
+      const bool rests = plan.stop_at_rest && steps_at_rest_ >= options().rest_steps;
       motion.strain.growth = 0.0;
-      if (motion.steps == plan.steps) motion.strain = averaged_->strain(topology());
+      if (plan.steps > 0 && (rests || motion.steps == plan.steps)) motion.strain = averaged_->strain(topology());
     }
     return motion;
   }
@@ -204,8 +205,8 @@ class SimdSolver final : public SolverBackend {
     laps_.end(Work::loads);
     if (averaged_) {
       averaged_->run(bytes(force_), bytes(u_), bytes(next_u_),
-                     dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr, last,
-                     pool_, laps_);
+                     dissipation_ ? dissipation_->job(plan.dt, last_dt_) : nullptr, sleep_ ? &*sleep_ : nullptr,
+                     last || plan.stop_at_rest || sleep_, pool_, laps_);
     }
     if (!clustered_) return;
     clustered_->run(bytes(u_), bytes_or_null(force_), bytes_or_null(pull_), pool_, laps_, no_laps_);
@@ -261,6 +262,7 @@ class SimdSolver final : public SolverBackend {
   int& steps_at_rest() { return steps_at_rest_; }
   void drop_step() {
     tools_.set().drop();
+    if (local_) local_->forces().drop();
     if (sleep_) sleep_->compute_all();
   }
 

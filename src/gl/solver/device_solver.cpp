@@ -120,6 +120,7 @@ void DeviceSolver::do_body_changed(std::span<const Index> domains) {
     if (topology().mass[i] == 0.0) now.displacement[i].setZero();
   }
   drop();
+  if (host_) host_->step.follow_body(model());
   build();
   do_restore(now);
 }

@@ -26,14 +26,20 @@ bool may_meet(const Region& region, const Vec3& place, double room) {
 }  // namespace
 
 DeviceStep::DeviceStep(const Model& model)
-    : rest_(model.rest), triangles_(surface_triangles(model)), spacing_(mean_spacing(model)), seen_(model.rest.size()) {
-  for (const auto& t : triangles_) surface_.insert(surface_.end(), t.begin(), t.end());
-  std::ranges::sort(surface_);
-  surface_.erase(std::ranges::unique(surface_).begin(), surface_.end());
+    : rest_(model.rest), spacing_(mean_spacing(model)), seen_(model.rest.size()) {
+  follow_body(model);
   asked_.reserve(rest_.size());
   used_.reserve(rest_.size());
   rows_.reserve(rest_.size());
   pushes_.reserve(2 * rest_.size());
+}
+
+void DeviceStep::follow_body(const Model& model) {
+  triangles_ = surface_triangles(model);
+  surface_.clear();
+  for (const auto& t : triangles_) surface_.insert(surface_.end(), t.begin(), t.end());
+  std::ranges::sort(surface_);
+  surface_.erase(std::ranges::unique(surface_).begin(), surface_.end());
 }
 
 /// Where no particle can have gone farther than a spacing, what is out of reach mostly shows.

@@ -19,6 +19,7 @@ class DeviceStep final : public PredictedStep {
  public:
   explicit DeviceStep(const Model& model);  ///< which must outlive it
 
+  void follow_body(const Model& model);  ///< its cells were cut, removed or brought back
   /// Places are not those of the last step's end: all are read when they are next asked for.
   void forget() { read_at_ = -1.0; }
   /// Before a step or several: places are known well enough to say what is out of reach, or read.
