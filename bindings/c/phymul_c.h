@@ -88,7 +88,7 @@ typedef struct phymul_fine_place {
   double spacing;   // m, > 0
 } phymul_fine_place;
 // Types of cells; the order of vertices is in include/phymul/model.h.
-enum { PHYMUL_TETRAHEDRON = 4, PHYMUL_WEDGE = 5, PHYMUL_PYRAMID = 6, PHYMUL_HEXAHEDRON = 7 };
+enum { PHYMUL_TRIANGLE = 2, PHYMUL_TETRAHEDRON = 4, PHYMUL_WEDGE = 5, PHYMUL_PYRAMID = 6, PHYMUL_HEXAHEDRON = 7 };
 // make_block (hexahedra, 6 neighbours), make_tetrahedral_block, make_cylinder: include/phymul/shapes.h has the groups.
 PHYMUL_API phymul_status phymul_body_block(const double size[3], int32_t nx, int32_t ny, int32_t nz,
                                            phymul_body** made);
