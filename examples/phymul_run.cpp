@@ -82,7 +82,7 @@ int run(const RunOptions& options) {
   const int exit_code = loop.run();
   phymul::write_csv(sim.model(), loop.state(), options.out + "/rest.csv");
   phymul::write_pml(phymul::deformed_model(sim.model(), loop.state()), options.out + "/rest.pml",
-                    {.length_unit = length_unit(options)});
+                    {.length_unit = length_unit("rest.pml", is_pml(options.body) ? options.length_unit : 0.0)});
   print_table(solver, loop.summary());
   if (options.profile) print_profile(solver.profile(), loop.summary());
   print_story(sim.scene(), schedule, loop.summary());

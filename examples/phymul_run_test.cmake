@@ -34,6 +34,16 @@ run(3 "particles +275" ${OUT}/rest.pml --max-time 0.001 --frame-interval 0 --no-
 run(3 "particles +275" ${OUT}/frames/body_000004.vtu --max-time 0.001 --frame-interval 0 --no-pictures
     --gravity 0 0 -9.81 --out ${OUT}/frame)
 
+# The file of another name, with a step that is longer than a tenth of the frames' interval.
+configure_file(${DATA}/cylinder_275.pml ${OUT}/BODY.PML COPYONLY)
+run(3 "particles +275" ${OUT}/BODY.PML --from-file --gravity 0 0 -9.81 --dt 3.1e-4 --max-time 0.02 --frame-interval 0.001
+    --no-pictures --out ${OUT}/frames)
+file(STRINGS ${OUT}/frames/frames/body.pvd frames REGEX "<DataSet ")
+list(LENGTH frames frames)
+if(NOT frames EQUAL 21)
+  message(FATAL_ERROR "phymul-run --frame-interval: expected 21 frames, got ${frames}")
+endif()
+
 # Where the time went, by pass; and nothing on the way where nothing is wanted.
 run(3 "pass +runs.*move +[1-9].*all, of the wall time" ${sample} --profile --backend cpu --max-time 0.02 --frame-interval 0
     --no-pictures --out ${OUT}/profile)
@@ -53,6 +63,11 @@ endif()
 # A small stiff body comes to rest.
 run(0 "steps to rest after the last date" ${MESH} --unit 0.01 --fix "fixed side" --gravity 0 0 -9.81 --damping 60
     --frame-interval 0 --out ${OUT}/mesh)
+# rest.pml is in the unit that is usual for such a file.
+run(1 "the nearest is 0.98[0-9]+ m away" ${OUT}/mesh/rest.pml --fix-near 1 0 0 0.1 --out ${OUT}/none)
+# What is moved from the beginning is there after a step.
+run(3 "Pulled at [0-9e.-]+ s: the driven particles are 10 mm from" ${MESH} --unit 0.01 --fix "fixed side" --move tip=0,0,0.01
+    --max-time 0.01 --frame-interval 0 --no-pictures --out ${OUT}/moved)
 
 # What nothing holds moves away, whatever its damping.
 run(3 "nothing holds the part of particle 0: it moves away" ${MESH} --unit 0.01 --gravity 0 0 -9.81
@@ -96,6 +111,7 @@ run(1 "--cut-front requires --cut" ${bean} --spacing 0.012 --cut-front 0 0 0 0 0
 run(1 "at least an eighth of the spacing" ${bean} --spacing 0.016 --fine-near 0 0 0 0.01 0.001 --out ${OUT}/none)
 run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
 run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
+run(1 "--from-file: a surface has no masses" ${bean} --spacing 0.016 --from-file --out ${OUT}/none)
 # Two regions of an image, in millimetres, each with its material.
 string(REPEAT "0 " 20 none)
 string(REPEAT "1 " 8 soft)
@@ -127,11 +143,13 @@ run(1 "mixed_41.msh is neither a surface nor" ${MESH} --spacing 0.01 --out ${OUT
 run(1 "expected a surface or a labelled image, which can be filled at any spacing, got .*mixed_41.msh" ${MESH} --plan
     --max-error 3%)
 
-run(1 "ExistingFile|not exist" no_such_file.pml --out ${OUT})
+run(1 "no_such_file.pml: this file does not exist" no_such_file.pml --out ${OUT})
 run(1 "no_such_group" ${MESH} --fix no_such_group --out ${OUT}/none)
 run(1 "expected averaged.barycentric.*got sideways" ${MESH} --from-file --reaction sideways --out ${OUT}/none)
 run(1 "expected a number above 0, got -1" ${MESH} --max-time -1 --out ${OUT}/none)
 run(1 "this folder cannot be made" ${MESH} --out ${OUT}/rest.csv)
+file(MAKE_DIRECTORY ${OUT}/taken/energies.csv)
+run(1 "taken/energies.csv: expected a file that can be written" ${MESH} --frame-interval 0 --out ${OUT}/taken)
 run(1 "^phymul-run: --dt: unstable_step: dt = 1 s is above the stable step [^\n]*\n$" ${sample} --dt 1 --out ${OUT}/refused)
 if(EXISTS ${OUT}/refused)
   message(FATAL_ERROR "phymul-run wrote results of a step that was refused")

@@ -36,7 +36,7 @@ void play(ViewInput& input, const ViewOptions& options, int frame) {
 }
 
 int run(const ViewOptions& options) {
-  const ViewBody body = make_view_body(options);
+  const FileBody body = make_view_body(options);
   for (const std::string& note : body.model.notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   ViewWindow window(options.width, options.height, options.hidden);
   ViewSimulation simulation(body, options);

@@ -4,21 +4,15 @@
 #include <phymul/body.h>
 #include <phymul/error.h>
 #include <phymul/lml.h>
-#include <phymul/mesh.h>
 #include <phymul/pml.h>
 #include <phymul/surface_file.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 
 #include "surface_body.h"
 
 namespace {
-
-bool is_pml(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".pml";
-}
 
 /// A value that is there from the beginning.
 phymul::Load load_on(phymul::LoadType type, const GroupVector& wish, std::vector<phymul::Index> particles,
@@ -34,28 +28,9 @@ phymul::Load load_on(phymul::LoadType type, const GroupVector& wish, std::vector
 
 }  // namespace
 
-double length_unit(const RunOptions& options) {
-  if (options.length_unit > 0.0) return options.length_unit;
-  return is_pml(options.body) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
-}
-
 phymul::Model read_shape(const RunOptions& options) {
-  if (is_surface(options.body)) {
-    return fill_surface(options.body, length_unit(options), options.spacing, options.fine_balls).model;
-  }
-  if (is_label_image(options.body)) {
-    if (options.length_unit > 0.0) throw phymul::Error("--unit: " + options.body + " says its unit itself");
-    return fill_labels(options.body, options.spacing, options.fine_balls);
-  }
-  if (!options.fine_balls.empty()) {
-    throw phymul::Error("--fine-near: expected a surface or a labelled image to be filled, got " + options.body);
-  }
-  if (options.spacing != 0.0) {
-    throw phymul::Error("--spacing: " + options.body + " is neither a surface nor a labelled image to be filled");
-  }
-  const double unit = length_unit(options);
-  return is_pml(options.body) ? phymul::read_pml(options.body, {.length_unit = unit})
-                              : phymul::read_mesh(options.body, {.length_unit = unit});
+  return read_body_file(options.body, options.length_unit, options.spacing, options.from_file, options.fine_balls)
+      .model;
 }
 
 void dress_shape(const RunOptions& options, phymul::Model& model) {
@@ -85,7 +60,6 @@ void dress_shape(const RunOptions& options, phymul::Model& model) {
   }
 }
 
-/// Along the planes of the options, after all materials are set.
 phymul::Model cut_along_planes(const RunOptions& options, phymul::Model model) {
   const auto plane = [](const double* it) { return phymul::cut_plane({it[0], it[1], it[2]}, {it[3], it[4], it[5]}); };
   try {
@@ -119,7 +93,7 @@ void fill_scene(const RunOptions& options, const phymul::Model& model, phymul::S
   }
   std::optional<phymul::Surface> surface;
   if (!options.held_balls.empty() && is_surface(options.body)) {
-    surface = phymul::read_surface(options.body, length_unit(options));
+    surface = phymul::read_surface(options.body, length_unit(options.body, options.length_unit));
   }
   hold_in_balls(scene, surface ? &*surface : nullptr, options.spacing, options.held_balls);
   for (const GroupVector& force : options.forces) {

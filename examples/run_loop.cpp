@@ -53,6 +53,7 @@ RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul:
   }
   if (options.tearing) first_cut_area_ = cut_area(model_);
   energies_.open(options.out + "/energies.csv");
+  if (!energies_) throw phymul::Error(options.out + "/energies.csv: expected a file that can be written");
   energies_.precision(12);
   energies_ << "time,elastic,kinetic,gravity,total,residual,max_speed,max_displacement\n";
 }
@@ -81,7 +82,7 @@ double RunLoop::next_date() const {
 
 /// False when the solver failed.
 bool RunLoop::advance(double date) {
-  const auto steps = static_cast<int>(std::max<long long>(1, std::llround((date - state_.time) / summary_.dt)));
+  const auto steps = static_cast<int>(std::clamp(std::round((date - state_.time) / summary_.dt), 1.0, 1e9));
   const auto start = std::chrono::steady_clock::now();
   // Undamped, nothing comes to rest, and run_to_rest() refuses.
   if (is_settling() && options_.damping_rate > 0.0 && !options_.tearing) {
@@ -106,7 +107,9 @@ void RunLoop::look() {
     energies_ << state_.time << ',' << energy.elastic << ',' << energy.kinetic << ',' << energy.gravity << ','
               << energy.total() << ',' << report_.residual << ',' << report_.max_speed << ','
               << displacement_norms(model_, state_).max << '\n';
-    if (series_ && samples_ % samples_per_frame == 0) series_->write(model_, state_);
+    const auto frame_date = [&] { return static_cast<double>(frames_ * samples_per_frame) * sample_interval_; };
+    if (series_ && reached(frame_date())) series_->write(model_, state_);
+    while (reached(frame_date())) ++frames_;
     while (reached(static_cast<double>(samples_) * sample_interval_)) ++samples_;
   }
   remember_pull();
@@ -125,7 +128,8 @@ void RunLoop::look() {
 /// Where nothing is driven, the most deformed moment stands for the largest pull; not of a body that tears, which is
 /// another one at the end.
 void RunLoop::remember_pull() {
-  if (pull_date_ && !pull_seen_ && reached(*pull_date_)) {
+  // What is imposed from the beginning is there after a step.
+  if (pull_date_ && !pull_seen_ && summary_.steps > 0 && reached(*pull_date_)) {
     pull_seen_ = true;
     pulled_ = state_;
     summary_.pulled = snapshot("largest pull");

@@ -50,8 +50,8 @@ class RunLoop {
   std::optional<double> pull_date_, let_go_date_;
   bool pull_seen_ = false;
   bool let_go_done_ = false;
-  std::int64_t samples_ = 0;
-  std::int64_t settling_from_ = -1;  ///< step
+  std::int64_t samples_ = 0, frames_ = 0;  ///< dates that were reached
+  std::int64_t settling_from_ = -1;        ///< step
 
   phymul::State state_;
   phymul::StepReport report_;

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <utility>
 
@@ -53,6 +54,15 @@ CLI::Validator number_above(bool or_zero) {
           or_zero ? ">= 0" : "> 0"};
 }
 
+/// That a file is missing says nothing about the options.
+CLI::Validator existing_file() {
+  return {[](const std::string& path) {
+            if (std::filesystem::is_regular_file(path)) return std::string();
+            throw phymul::Error(phymul::ErrorCode::file_access, path + ": this file does not exist", path);
+          },
+          "FILE"};
+}
+
 CLI::Validator positive() {
   return number_above(false);
 }
@@ -97,8 +107,8 @@ void add_body_options(CLI::App& app, RunOptions& options) {
                  "the body: .pml, .msh (Gmsh), .vtk or .vtu; a surface: .stl, .obj, .ply, .gltf, .glb; or a labelled "
                  "image: .nii, .nii.gz, .nrrd, .nhdr")
       ->required()
-      ->check(CLI::ExistingFile);
-  app.add_option("loads", options.loads, "what acts on it: .lml")->check(CLI::ExistingFile);
+      ->check(existing_file());
+  app.add_option("loads", options.loads, "what acts on it: .lml")->check(existing_file());
   app.add_option("--unit", options.length_unit, "metres per length unit of the body's file [1e-3 for .pml, else 1]")
       ->check(positive());
   app.add_option("--spacing", options.spacing, "mean distance between the particles that fill a surface or image, m")

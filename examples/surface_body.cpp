@@ -3,6 +3,8 @@
 
 #include <phymul/error.h>
 #include <phymul/label_file.h>
+#include <phymul/mesh.h>
+#include <phymul/pml.h>
 #include <phymul/surface_file.h>
 #include <phymul/surface_patch.h>
 
@@ -37,12 +39,33 @@ phymul::SpacingField finest_of(const std::vector<double>& fine_balls, double spa
   };
 }
 
-std::string filled_text(const std::string& path, const phymul::BodyReport& report) {
-  return path + ": filled with " + std::to_string(report.particles) + " particles in " + std::to_string(report.cells) +
-         " tetrahedra";
+FileBody filled(const std::string& path, bool is_image, double unit, double spacing,
+                const std::vector<double>& fine_balls) {
+  const phymul::SpacingField finest = finest_of(fine_balls, spacing);
+  FileBody body;
+  phymul::BodyReport report;
+  if (is_image) {
+    body.model = phymul::make_body(phymul::read_labels(path), {.spacing = spacing, .spacing_at = finest}, &report);
+  } else {
+    body.surface = phymul::read_surface(path, unit);
+    body.model = phymul::make_body(*body.surface, {.spacing = spacing, .spacing_at = finest}, &report);
+  }
+  std::string note = path + ": filled with " + std::to_string(report.particles) + " particles in " +
+                     std::to_string(report.cells) + " tetrahedra";
+  for (const phymul::RegionReport& region : report.regions) {
+    char text[64];
+    std::snprintf(text, sizeof text, "\": %.4g of %.4g ml", 1e6 * region.volume, 1e6 * region.wanted_volume);
+    note += "; \"" + region.name + text;
+  }
+  body.model.notes.push_back(std::move(note));
+  return body;
 }
 
 }  // namespace
+
+bool is_pml(const std::string& path) {
+  return ends_in_one_of(path, {".pml"});
+}
 
 bool is_surface(const std::string& path) {
   return ends_in_one_of(path, {".stl", ".obj", ".ply", ".gltf", ".glb"});
@@ -52,31 +75,31 @@ bool is_label_image(const std::string& path) {
   return ends_in_one_of(path, {".nii", ".nii.gz", ".nrrd", ".nhdr"});
 }
 
-SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing,
-                         const std::vector<double>& fine_balls) {
-  if (spacing == 0.0) throw phymul::Error(path + ": a surface is filled; give --spacing, m");
-  SurfaceBody body;
-  body.surface = phymul::read_surface(path, metres_per_unit);
-  phymul::BodyReport report;
-  body.model =
-      phymul::make_body(body.surface, {.spacing = spacing, .spacing_at = finest_of(fine_balls, spacing)}, &report);
-  body.model.notes.push_back(filled_text(path, report));
-  return body;
+double length_unit(const std::string& path, double asked) {
+  if (asked > 0.0) return asked;
+  return is_pml(path) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
 }
 
-phymul::Model fill_labels(const std::string& path, double spacing, const std::vector<double>& fine_balls) {
-  if (spacing == 0.0) throw phymul::Error(path + ": a labelled image is filled; give --spacing, m");
-  phymul::BodyReport report;
-  phymul::Model model = phymul::make_body(phymul::read_labels(path),
-                                          {.spacing = spacing, .spacing_at = finest_of(fine_balls, spacing)}, &report);
-  std::string note = filled_text(path, report);
-  for (const phymul::RegionReport& region : report.regions) {
-    char text[64];
-    std::snprintf(text, sizeof text, "\": %.4g of %.4g ml", 1e6 * region.volume, 1e6 * region.wanted_volume);
-    note += "; \"" + region.name + text;
+FileBody read_body_file(const std::string& path, double unit, double spacing, bool from_file,
+                        const std::vector<double>& fine_balls) {
+  const bool is_image = is_label_image(path);
+  if (is_image || is_surface(path)) {
+    const std::string kind = is_image ? "a labelled image" : "a surface";
+    if (spacing == 0.0) throw phymul::Error(path + ": " + kind + " is filled; give --spacing, m");
+    if (from_file) throw phymul::Error("--from-file: " + kind + " has no masses and stiffnesses, got " + path);
+    if (is_image && unit > 0.0) throw phymul::Error("--unit: " + path + " says its unit itself");
+    return filled(path, is_image, length_unit(path, unit), spacing, fine_balls);
   }
-  model.notes.push_back(std::move(note));
-  return model;
+  if (!fine_balls.empty()) {
+    throw phymul::Error("--fine-near: expected a surface or a labelled image to be filled, got " + path);
+  }
+  if (spacing != 0.0) {
+    throw phymul::Error("--spacing: " + path + " is neither a surface nor a labelled image to be filled");
+  }
+  const double metres = length_unit(path, unit);
+  return {
+      is_pml(path) ? phymul::read_pml(path, {.length_unit = metres}) : phymul::read_mesh(path, {.length_unit = metres}),
+      {}};
 }
 
 std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball,

@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: MIT
 //
-// Bodies of the tools that fill a surface or a labelled image from a file.
+// Bodies of the tools, read from a file, or that fill a surface or a labelled image of one.
 #pragma once
 
 #include <phymul/body.h>
 #include <phymul/scene.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
-struct SurfaceBody {
-  phymul::Surface surface;
-  phymul::Model model;  ///< its inside; a note says what it became
+struct FileBody {
+  phymul::Model model;
+  std::optional<phymul::Surface> surface;  ///< that the body fills; a note says what it became
 };
 
-/// By the file's ending: whether read_surface() reads it.
+bool is_pml(const std::string& path);  ///< by the file's ending, as the next two
+
+/// Whether read_surface() reads it.
 bool is_surface(const std::string& path);
 
-/// By the file's ending: whether read_labels() reads it.
+/// Whether read_labels() reads it.
 bool is_label_image(const std::string& path);
 
 /// Particles in the ball of x, y, z and radius, m, which stand at `ball`. Throws phymul::Error that begins with the
@@ -31,14 +34,16 @@ std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const d
 void hold_in_balls(phymul::Scene& scene, const phymul::Surface* surface, double spacing,
                    const std::vector<double>& balls);
 
-/// fine_balls: m, each x y z radius spacing, as fine_near(). Throws phymul::Error as read_surface(), make_body() and
-/// fine_near() do, and where the spacing is 0: none was given.
-SurfaceBody fill_surface(const std::string& path, double metres_per_unit, double spacing,
-                         const std::vector<double>& fine_balls = {});
+/// m per length unit of a body's file: as asked for, else (0) millimetres for PML and metres for others, as the readers
+/// have it.
+double length_unit(const std::string& path, double asked);
 
-/// The regions of a labelled image, each a group of its name; a note compares their volumes. Throws phymul::Error as
-/// read_labels(), make_body() and fine_near() do, and where the spacing is 0: none was given.
-phymul::Model fill_labels(const std::string& path, double spacing, const std::vector<double>& fine_balls = {});
+/// A body without the material of the options. The regions of a labelled image are groups of their names; a note
+/// compares their volumes. unit: 0 where none was given, as spacing. from_file: with the file's own masses and
+/// stiffnesses. fine_balls: m, each x y z radius spacing, as fine_near(). Throws phymul::Error as the readers,
+/// make_body() and fine_near() do, and where an option is missing or means nothing for such a file.
+FileBody read_body_file(const std::string& path, double unit, double spacing, bool from_file,
+                        const std::vector<double>& fine_balls = {});
 
 /// The same body with spare particles (phymul/body.h) for four cuts through its middle.
 phymul::Model with_room_for_cuts(const phymul::Model& model);

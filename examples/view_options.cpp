@@ -8,8 +8,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "surface_body.h"
-
 namespace {
 
 constexpr const char* keys =
@@ -25,46 +23,22 @@ constexpr const char* keys =
     "  t              surface lets through;  c: colours by displacement;  + -: their scale\n"
     "  q, escape      end";
 
-bool is_pml(const std::string& path) {
-  return std::filesystem::path(path).extension() == ".pml";
-}
-
-/// A mesh file is in metres unless told otherwise, a PML file in millimetres, as the readers have it.
-ViewBody read_file(const ViewOptions& options) {
-  const std::string& path = options.body;
-  if (!std::filesystem::exists(path)) {
-    throw phymul::Error(path + ": expected a file, or one of tetrahedron, cylinder, block, strip");
-  }
-  const double usual = is_pml(path) ? phymul::PmlOptions{}.length_unit : phymul::MeshOptions{}.length_unit;
-  const double unit = options.length_unit > 0.0 ? options.length_unit : usual;
-  if (is_surface(path)) {
-    SurfaceBody filled = fill_surface(path, unit, options.spacing);
-    return {std::move(filled.model), std::move(filled.surface)};
-  }
-  if (is_label_image(path)) {
-    if (options.length_unit > 0.0) throw phymul::Error("--unit: " + path + " says its unit itself");
-    return {fill_labels(path, options.spacing), {}};
-  }
-  if (options.spacing != 0.0) {
-    throw phymul::Error("--spacing: " + path + " is neither a surface nor a labelled image to be filled");
-  }
-  return {is_pml(path) ? phymul::read_pml(path, {.length_unit = unit}) : phymul::read_mesh(path, {.length_unit = unit}),
-          {}};
-}
-
-ViewBody shape_or_file(const ViewOptions& options) {
+FileBody shape_or_file(const ViewOptions& options) {
   const std::string& name = options.body;
   if (name == "tetrahedron") return {phymul::make_tetrahedron(0.01), {}};
   if (name == "cylinder") return {phymul::make_cylinder(0.010, 0.040, 3, 8, 11), {}};
   if (name == "block") return {phymul::make_block({0.04, 0.03, 0.02}, 12, 9, 6), {}};
   if (name == "strip") return {phymul::make_strip(0.04, 0.02, 12, 6, true), {}};
-  return read_file(options);
+  if (!std::filesystem::exists(name)) {
+    throw phymul::Error(name + ": expected a file, or one of tetrahedron, cylinder, block, strip");
+  }
+  return read_body_file(name, options.length_unit, options.spacing, options.from_file);
 }
 
 }  // namespace
 
-ViewBody make_view_body(const ViewOptions& options) {
-  ViewBody body = shape_or_file(options);
+FileBody make_view_body(const ViewOptions& options) {
+  FileBody body = shape_or_file(options);
   phymul::Model& model = body.model;
   const bool has_volume = std::any_of(model.cells.begin(), model.cells.end(),
                                       [](const phymul::Cell& cell) { return phymul::is_volume(cell.type); });
@@ -107,10 +81,11 @@ std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_co
   app.add_option("--step", options.step_share, "step, as a share of the stable one")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--width", options.width, "pixels")->capture_default_str();
-  app.add_option("--height", options.height, "pixels")->capture_default_str();
-  app.add_option("--frames", options.frames, "end after so many")->group("Scripts");
-  app.add_option("--png", options.png, "write the last frame there")->group("Scripts");
+  app.add_option("--width", options.width, "pixels")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--height", options.height, "pixels")->check(CLI::PositiveNumber)->capture_default_str();
+  auto* frames =
+      app.add_option("--frames", options.frames, "end after so many")->check(CLI::PositiveNumber)->group("Scripts");
+  app.add_option("--png", options.png, "write the last frame there")->needs(frames)->group("Scripts");
   app.add_flag("--hidden", options.hidden, "no window on the screen")->group("Scripts");
   app.add_option("--keys", options.keys, "press these, one a frame")->group("Scripts");
   app.add_option("--drag", options.drag, "as the mouse, pixels; may be given several times")

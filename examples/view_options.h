@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "surface_body.h"
+
 struct ViewOptions {
   std::string body = "cylinder";  ///< a file, or a shape: tetrahedron, cylinder, block, strip
   double length_unit = 0.0;       ///< m, of the body's file; 0: the reader's own
@@ -35,10 +37,5 @@ struct ViewOptions {
 /// None where the program should end now, with `exit_code`.
 std::optional<ViewOptions> read_view_options(int argc, char** argv, int& exit_code);
 
-struct ViewBody {
-  phymul::Model model;
-  std::optional<phymul::Surface> surface;  ///< that the body fills
-};
-
 /// Throws phymul::Error where there is no such body.
-ViewBody make_view_body(const ViewOptions& options);
+FileBody make_view_body(const ViewOptions& options);

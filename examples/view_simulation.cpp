@@ -25,7 +25,7 @@ bool is_cuttable(const phymul::Model& model) {
 
 }  // namespace
 
-ViewSimulation::ViewSimulation(const ViewBody& body, const ViewOptions& options)
+ViewSimulation::ViewSimulation(const FileBody& body, const ViewOptions& options)
     : body_(body),
       options_(options),
       can_be_cut_(is_cuttable(body.model)),

@@ -18,7 +18,7 @@
 /// drawn from.
 class ViewSimulation {
  public:
-  ViewSimulation(const ViewBody& body, const ViewOptions& options);
+  ViewSimulation(const FileBody& body, const ViewOptions& options);
 
   /// Another one after next_backend(), at the same address: its scene is new, and has nothing that was added meanwhile.
   phymul::Simulation& sim() { return sim_; }
@@ -49,7 +49,7 @@ class ViewSimulation {
   void go_back(const phymul::Snapshot& snapshot);
   void show();
 
-  const ViewBody& body_;
+  const FileBody& body_;
   const ViewOptions& options_;
   const bool can_be_cut_;
   phymul::Simulation sim_;

@@ -7,6 +7,7 @@
 using namespace phymul;
 using namespace phymul::c;
 
+static_assert(static_cast<int>(CellType::triangle) == PHYMUL_TRIANGLE);
 static_assert(static_cast<int>(CellType::tetrahedron) == PHYMUL_TETRAHEDRON);
 static_assert(static_cast<int>(CellType::wedge) == PHYMUL_WEDGE);
 static_assert(static_cast<int>(CellType::pyramid) == PHYMUL_PYRAMID);
@@ -66,11 +67,6 @@ Surface surface_of(const double* vertices, int32_t vertex_count, const int32_t* 
   return {.vertices = vectors(vertices, vertex_count, "vertices"),
           .triangles = triples(triangles, triangle_count, "triangles"),
           .notes = {}};
-}
-
-void require_name(const char* name) {
-  if (need(name, "a name of the group") == '\0' || std::strchr(name, '\n'))
-    throw Error("expected a name of the group of one line that is not empty");
 }
 
 }  // namespace
@@ -186,8 +182,10 @@ phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const 
                                 const int32_t** particles, int32_t* cell_count) {
   return guarded([&] {
     phymul_body& own = need(body, "a body");
-    if (own.first.empty()) {
+    if (own.first.size() != own.model.cells.size() + 1) {  // a capsule has added some
       std::vector<int32_t> begins{0};
+      own.types.clear();
+      own.particles.clear();
       for (const Cell& cell : own.model.cells) {
         own.types.push_back(static_cast<int32_t>(cell.type));
         own.particles.insert(own.particles.end(), cell.particles.begin(), cell.particles.end());
@@ -246,7 +244,7 @@ phymul_status phymul_body_group(phymul_body* body, const char* name, const int32
 
 phymul_status phymul_body_add_group(phymul_body* body, const char* name, const int32_t* particles, int32_t count) {
   return guarded([&] {
-    require_name(name);
+    require_name(name, "a name of the group");
     const auto rows = list(particles, count, "particles");
     need(body, "a body").model.add_group(name, {rows.begin(), rows.end()});
   });
@@ -254,7 +252,7 @@ phymul_status phymul_body_add_group(phymul_body* body, const char* name, const i
 
 phymul_status phymul_body_add_cell_group(phymul_body* body, const char* name, const int32_t* cells, int32_t count) {
   return guarded([&] {
-    require_name(name);
+    require_name(name, "a name of the group");
     Model& model = need(body, "a body").model;
     Component group;
     group.name = name;

@@ -47,11 +47,23 @@ static const char* misuse_of_bodies(void) {
   return NULL;
 }
 
+static phymul_status ends(void* user, const phymul_candidate* candidate, phymul_simulation** made) {
+  (void)user, (void)candidate, (void)made;
+  phymul_body* body = NULL;
+  phymul_body_read("absent.msh", 0, &body);
+  return PHYMUL_INTERNAL;
+}
+
 static const char* misuse_of_simulations(const phymul_body* body, phymul_simulation* sim) {
   phymul_simulation* none = NULL;
   const phymul_body* two[2] = {body, body};
   phymul_options options = {.size = sizeof options, .backend = "abacus"};
   REFUSED(phymul_simulation_create(two, NULL, 2, &options, &none), PHYMUL_INVALID_ARGUMENT, "name")
+  const char* names[2] = {"a\nb", "c"};
+  REFUSED(phymul_simulation_create(two, names, 2, &options, &none), PHYMUL_INVALID_ARGUMENT, "of one line")
+  const phymul_plan_options wishes = {.size = sizeof wishes, .max_error = 0.1, .rate = 50};
+  phymul_plan* plan = NULL;
+  REFUSED(phymul_plan_create(ends, NULL, &wishes, &plan), PHYMUL_INTERNAL, "absent.msh")
   options.size = sizeof options + 8;
   REFUSED(phymul_simulation_create(two, NULL, 1, &options, &none), PHYMUL_INVALID_ARGUMENT, "size")
   HOLDS(none == NULL)

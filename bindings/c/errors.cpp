@@ -83,6 +83,11 @@ void require_kind(int32_t kind, int32_t first, int32_t count, const char* what) 
                 std::to_string(first + count - 1) + ", got " + std::to_string(kind));
 }
 
+void require_name(const char* name, const char* what) {
+  if (need(name, what) == '\0' || std::strchr(name, '\n'))
+    throw Error(std::string("expected ") + what + " of one line that is not empty");
+}
+
 std::string lines(const std::vector<std::string>& sentences) {
   std::string text;
   for (const std::string& sentence : sentences) text += (text.empty() ? "" : "\n") + sentence;

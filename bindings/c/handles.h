@@ -179,6 +179,9 @@ void hand_out(const T* data, std::size_t count, const T** list, int32_t* number,
 /// Throws Error unless the number is one of an enumeration of `count` values from `first` on.
 void require_kind(int32_t kind, int32_t first, int32_t count, const char* what);
 
+/// Throws Error unless it is one line, not empty.
+void require_name(const char* name, const char* what);
+
 std::string lines(const std::vector<std::string>& sentences);
 
 }  // namespace phymul::c

@@ -88,7 +88,7 @@ typedef struct phymul_fine_place {
   double spacing;   // m, > 0
 } phymul_fine_place;
 // Types of cells; the order of vertices is in include/phymul/model.h.
-enum { PHYMUL_TETRAHEDRON = 4, PHYMUL_WEDGE = 5, PHYMUL_PYRAMID = 6, PHYMUL_HEXAHEDRON = 7 };
+enum { PHYMUL_TRIANGLE = 2, PHYMUL_TETRAHEDRON = 4, PHYMUL_WEDGE = 5, PHYMUL_PYRAMID = 6, PHYMUL_HEXAHEDRON = 7 };
 // make_block (hexahedra, 6 neighbours), make_tetrahedral_block, make_cylinder: include/phymul/shapes.h has the groups.
 PHYMUL_API phymul_status phymul_body_block(const double size[3], int32_t nx, int32_t ny, int32_t nz,
                                            phymul_body** made);
@@ -119,6 +119,7 @@ PHYMUL_API phymul_status phymul_body_masses(const phymul_body* body, double* mas
 PHYMUL_API phymul_status phymul_body_cells(phymul_body* body, const int32_t** types, const int32_t** first,  // as above
                                            const int32_t** particles, int32_t* cell_count);
 PHYMUL_API phymul_status phymul_body_triangles(phymul_body* body, const int32_t** triangles, int32_t* count);
+// Arrays of cells are valid until phymul_body_add_capsule, which adds triangles to the cells.
 // Triangles are counter-clockwise seen from outside. Notes say what was found or corrected; they and the next two are
 // valid until the next call of the same function with this body.
 PHYMUL_API phymul_status phymul_body_notes(phymul_body* body, const char** notes);
@@ -175,7 +176,7 @@ PHYMUL_API phymul_status phymul_gravity(phymul_simulation* sim, const double acc
 
 // Types of loads: include/phymul/load.h. PHYMUL_FORCE is on each particle.
 enum { PHYMUL_TRANSLATION = 0, PHYMUL_ROTATION = 1, PHYMUL_FORCE = 2, PHYMUL_PRESSURE = 3, PHYMUL_ACCELERATION = 4 };
-// Its value is linear between values[i] (m, rad, N, Pa or m/s^2) at times[i], s, and constant before and after.
+// Its value is linear between values[i] (m, rad, N, Pa or m/s^2) at times[i], s, 0 before and constant after them.
 // `direction`: zero for a pressure that acts inward. A translation imposes all three coordinates. `row` names the load.
 PHYMUL_API phymul_status phymul_add_load(phymul_simulation* sim, int32_t type, const int32_t* particles, int32_t count,
                                          const double direction[3], const double* times, const double* values,

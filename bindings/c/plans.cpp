@@ -36,11 +36,12 @@ SceneBuilder builder_of(phymul_builder builder, void* user) {
     phymul_simulation* made = nullptr;
     const phymul_status status = builder(user, &candidate, &made);
     const std::unique_ptr<phymul_simulation> owner(made);
-    if (status == PHYMUL_INTERNAL) throw Failure{status, "the builder ended the planning"};
+    const std::string reason = last_error().empty() ? "" : ": " + last_error();
+    if (status == PHYMUL_INTERNAL) throw Failure{status, "the builder ended the planning" + reason};
     if (status != PHYMUL_OK || !made)
       throw Error("the builder returned " +
                   (status == PHYMUL_OK ? std::string("no simulation") : "the status " + std::to_string(status)) +
-                  (last_error().empty() ? "" : ": " + last_error()));
+                  reason);
     return std::move(owner->simulation);
   };
 }
@@ -117,6 +118,7 @@ phymul_status phymul_plan_make(const phymul_plan* plan, int32_t which, phymul_si
   return guarded([&] {
     need(made, "a place for the simulation");
     const PlanTrial* choice = choice_of(plan, which);
+    if (!choice && plan->plan.kept) throw Error("the wishes are kept, so that there is PHYMUL_CHOSEN and no offer");
     // Without a choice make() throws, and names the offers.
     *made = new phymul_simulation{choice ? plan->plan.make(*choice) : plan->plan.make()};
   });

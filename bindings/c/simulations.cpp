@@ -66,8 +66,10 @@ Simulation simulation_of(std::span<const phymul_body* const> bodies, const char*
     return Simulation(need(bodies.front(), "a body").model, options);
   }
   std::vector<SimulationBody> named;
-  for (std::size_t i = 0; i < bodies.size(); ++i)
-    named.push_back({.name = &need(names[i], "a name of the body"), .model = need(bodies[i], "a body").model});
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    require_name(names[i], "a name of the body");
+    named.push_back({.name = names[i], .model = need(bodies[i], "a body").model});
+  }
   return Simulation(std::move(named), options);
 }
 
@@ -120,23 +122,13 @@ phymul_status copy_out(VecList phymul_simulation::*buffer, phymul_simulation* si
   });
 }
 
-struct RestFigures {  // as of phymul_rest_report
-  int32_t steps, collapsed;
-  double time, residual;
-};
-
 template <class Result, class Place>
-void report_rest(phymul_simulation* sim, const Result& rest, const Place& place, const RestFigures& figures) {
+void report_rest(phymul_simulation* sim, const Result& rest, const Place& place, phymul_rest_report report) {
   sim->message = rest.message();
   if (rest.status == RestStatus::failed) throw Failure{PHYMUL_STEP_FAILED, sim->message};
-  if (place)
-    place->fill({.size = 0,
-                 .converged = rest.converged(),
-                 .folded = rest.folded,
-                 .steps = figures.steps,
-                 .collapsed = figures.collapsed,
-                 .time = figures.time,
-                 .residual = figures.residual});
+  report.converged = rest.converged();
+  report.folded = rest.folded;
+  if (place) place->fill(report);
 }
 
 /// Zeros of `options` are the defaults.
@@ -147,7 +139,7 @@ phymul_status solve_static(phymul_simulation* sim, StaticOptions options, phymul
     if (options.tolerance == 0.0) options.tolerance = usual.tolerance;
     if (options.most_evaluations == 0) options.most_evaluations = usual.most_evaluations;
     const StaticResult rest = of(sim).solve_static(options);
-    report_rest(sim, rest, place, {rest.evaluations, -1, of(sim).time(), rest.residual});
+    report_rest(sim, rest, place, {0, 0, 0, rest.evaluations, -1, of(sim).time(), rest.residual});
   });
 }
 
@@ -261,7 +253,7 @@ phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phy
   return guarded([&] {
     const auto place = place_if_wanted(report, "a report");
     const RestResult rest = of(sim).run_to_rest(most_steps);
-    report_rest(sim, rest, place, {rest.report.steps, rest.collapsed, rest.report.time, rest.report.residual});
+    report_rest(sim, rest, place, {0, 0, 0, rest.report.steps, rest.collapsed, rest.report.time, rest.report.residual});
   });
 }
 

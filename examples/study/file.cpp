@@ -14,6 +14,7 @@
 
 #include "expression.h"
 #include "measurement.h"
+#include "tables.h"
 
 namespace {
 
@@ -103,6 +104,10 @@ StudyTarget read_target(const Words& w) {
 
 void read_line(const Words& w, int line, Study& study) {
   const std::string& key = w[0];
+  if ((key == "samples" && study.samples > 0) || (key == "measured" && !study.measured_file.empty()) ||
+      (key == "tolerance" && study.has_tolerance)) {
+    throw phymul::Error("expected one line \"" + key + "\", got another");
+  }
   if (key == "run") {
     study.words.insert(study.words.end(), w.begin() + 1, w.end());
     study.words_line = line;
@@ -137,6 +142,7 @@ void read_line(const Words& w, int line, Study& study) {
   } else if (key == "tolerance") {
     require_count(w, 1, 1, "NUMBER");
     study.tolerance = number(w[1]);
+    study.has_tolerance = true;
     if (!(study.tolerance > 0.0)) throw phymul::Error("expected: tolerance NUMBER, NUMBER > 0");
   } else {
     throw phymul::Error("unknown key \"" + key +
@@ -148,6 +154,8 @@ void require_complete(const Study& study) {
   const auto fail = [&](int line, const std::string& what) { fail_at(study.file, line, what); };
   if (study.words.empty()) fail(0, "expected a line \"run\" with the body and the options of phymul-run");
   std::set<std::string> names;
+  std::istringstream columns(std::string(scene_columns) + ',' + spread_columns);
+  for (std::string column; !study.identifies() && std::getline(columns, column, ',');) names.insert(column);
   for (const StudyParameter& it : study.parameters) {
     if (!names.insert(it.name).second) fail(it.line, "the name " + it.name + " is taken; give another");
     if (it.spread != Spread::list && study.samples == 0) {
@@ -165,6 +173,10 @@ void require_complete(const Study& study) {
   std::set<std::string> targets;
   for (const StudyTarget& it : study.targets) {
     if (!targets.insert(it.name).second) fail(it.line, "the target " + it.name + " is there already");
+    for (const char* column : target_columns) {
+      const std::string whole = it.name + '_' + column;
+      if (names.contains(whole)) fail(it.line, "the column " + whole + " of the target is taken; give another name");
+    }
   }
   if (study.identifies() == study.measured_file.empty()) {
     fail(0, study.identifies() ? "expected a line \"measured\": what is to be met?"

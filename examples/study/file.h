@@ -58,6 +58,7 @@ struct Study {
   Measurement measurement;
   std::string measured_file;  ///< as the study names it; empty: nothing was measured
   double tolerance = 1e-8;    ///< StaticOptions::tolerance
+  bool has_tolerance = false;
 
   bool identifies() const { return !unknowns.empty(); }
   std::vector<std::string> names() const;  ///< of parameters, then of unknowns

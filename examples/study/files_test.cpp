@@ -3,6 +3,8 @@
 // Files of phymul-study: what is read, what is refused and how, and results that survive a killed process.
 #include <gtest/gtest.h>
 #include <phymul/error.h>
+#include <phymul/pml.h>
+#include <phymul/shapes.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -110,6 +112,11 @@ TEST(StudyFile, RefusesWithFileLineAndWhatWasExpected) {
       {good + "unknown E guess 1\nmeasured none.csv deviation 1\n", "none.csv: expected a file of measured"},
       {good + "unknown E guess 1\nparameter F list 1\nmeasured none.csv deviation 1\n", "make two studies of it"},
       {good + "tolerance 0\n", "NUMBER > 0"},
+      {good + "tolerance 1\ntolerance 2\n", "a.study:4: expected one line \"tolerance\""},
+      {good + "samples 1\nsamples 2\n", "a.study:4: expected one line \"samples\""},
+      {good + "parameter status list 1\n", "a.study:3: the name status is taken"},
+      {good + "parameter mean_x list 1\n", "a.study:3: the name mean_x is taken"},
+      {good + "parameter a_ux list 1\n", "a.study:2: the column a_ux of the target is taken"},
   };
   const Folder folder;
   for (const auto& [text, expected] : refused) {
@@ -125,6 +132,38 @@ TEST(StudyFile, NamesTheLineOfAnExpressionThatHasNoValue) {
   const Study study =
       read_study(folder.write("a.study", "run body.msh --young {F}\ntarget a group b\nparameter E list 1\n"));
   EXPECT_NE(error_of([&] { scene_words(study, {1.0}); }).find("a.study:1: expression \"F\""), std::string::npos);
+}
+
+/// A beam that is held at one end and pushed at the other, with these words more.
+Study beam_study(const Folder& folder, const std::string& words) {
+  phymul::write_pml(phymul::make_tetrahedral_block({0.06, 0.02, 0.02}, 6, 2, 2, 0.1, 1), folder.file("beam.pml"));
+  return read_study(folder.write("beam.study", "run " + folder.file("beam.pml") + " --fix x0 --force x1=0,0,-0.01 " +
+                                                   words + "\ntarget tip group x1\n"));
+}
+
+TEST(StudyScene, IsCutAsItsWordsSay) {
+  const Folder folder;
+  const auto sinks = [&](const std::string& words) {
+    const Study study = beam_study(folder, words);
+    const SceneResult result = SceneSolver(study).solve({});
+    return result.failure.empty() ? -result.values.at(5) : 0.0;
+  };
+  const double whole = sinks(""), cut = sinks("--cut 0.03 0 0 1 0 0 --cut-front 0 0 0.01 0 0 -1");
+  EXPECT_GT(whole, 1e-4);
+  EXPECT_GT(cut, 1.2 * whole);
+  const Study torn = beam_study(folder, "--cut 0.03 0 0 1 0 0 --cut-front 0 0 0.01 0 0 -1 --tear 3 0");
+  EXPECT_NE(SceneSolver(torn).solve({}).failure.find("--tear: expected"), std::string::npos);
+}
+
+TEST(StudyScene, HasTheFilesOfAllScenes) {
+  const Folder folder;
+  folder.write("1.lml", "<loads/>");
+  const Study study = beam_study(folder, folder.file("{1}.lml"));
+  EXPECT_NE(error_of([&] { study_fingerprint(study, {}); }).find("expected the same files in all scenes, got "),
+            std::string::npos);
+  const Study missing = beam_study(folder, folder.file("none.lml"));
+  EXPECT_NE(error_of([&] { SceneSolver(missing).solve({}); }).find("none.lml: this file does not exist"),
+            std::string::npos);
 }
 
 TEST(StudyMeasurement, IsReadAsItWasWritten) {

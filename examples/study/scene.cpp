@@ -98,12 +98,13 @@ phymul::Model SceneSolver::dressed(const RunOptions& options) {
   }
   phymul::Model model = shape_;
   dress_shape(options, model);
-  return model;
+  return cut_along_planes(options, std::move(model));
 }
 
 std::vector<double> SceneSolver::solve_or_throw(const std::vector<double>& values, bool only_build) {
   const RunOptions options = run_options_of(scene_words(study_, values));
   if (options.from_file) throw phymul::Error("--from-file: expected a body with a material; a rest shape needs one");
+  if (options.tearing) throw phymul::Error("--tear: expected a body whose rest shape is asked for; it tears in time");
   const Variables variables = variables_of(study_, values);
 
   // "reference": the state stays in double precision, and no choice depends on the machine's speed.
@@ -175,9 +176,15 @@ std::uint32_t study_fingerprint(const Study& study, const std::vector<double>& v
     for (int axis = 0; axis < 3; ++axis) sum.add(shortest_decimal(point[axis]));
   }
   sum.add(shortest_decimal(study.tolerance));
-  const RunOptions options = run_options_of(scene_words(study, values));
+  const std::vector<std::string> words = scene_words(study, values);
+  const RunOptions options = run_options_of(words);
   for (const std::string& path : {options.body, options.loads}) {
     if (path.empty()) continue;
+    for (std::size_t k = 0; k < words.size(); ++k) {
+      if (words[k] != path || study.words[k] == path) continue;
+      fail_at(study.file, study.words_line,
+              "expected the same files in all scenes, got " + study.words[k] + "; make a study of each");
+    }
     std::ifstream in(path, std::ios::binary);
     sum.add(std::string(std::istreambuf_iterator<char>(in), {}));
   }

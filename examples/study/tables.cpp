@@ -10,14 +10,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <initializer_list>
 
 #include "run_options.h"
 #include "sampler.h"
 
 namespace {
-
-constexpr std::initializer_list<const char*> target_columns{"x", "y", "z", "ux", "uy", "uz"};
 
 /// Under another name until it is whole.
 void write_whole(const std::string& path, const std::string& text) {
@@ -118,9 +115,7 @@ void write_spreads(const std::string& path, const Study& study, const std::vecto
   for (const StudyParameter& it : study.parameters) {
     if (it.spread == Spread::list) text += it.name + ',';
   }
-  text +=
-      "target,scenes,failed,mean_x,mean_y,mean_z,var_x,cov_xy,cov_xz,var_y,cov_yz,var_z,displacement_p05,"
-      "displacement_p50,displacement_p95,distance_p50,distance_p90,distance_p95\n";
+  text += std::string(spread_columns) + '\n';
   const std::size_t each = scenes_of_a_combination(study);
   for (std::size_t first = 0; first < scenes.size(); first += each) {
     std::string combination, named;
@@ -148,12 +143,12 @@ void write_spreads(const std::string& path, const Study& study, const std::vecto
       const phymul::Vec3 along = axes.eigenvectors().col(2);
       char line[400];
       std::snprintf(line, sizeof line,
-                    "%s%s: %d scenes, %d failed; moves %.2f mm (5%% %.2f, 95%% %.2f); 95%% within %.2f mm of the mean "
+                    ": %d scenes, %d failed; moves %.2f mm (5%% %.2f, 95%% %.2f); 95%% within %.2f mm of the mean "
                     "place (%.2f %.2f %.2f) mm; deviation %.2f mm along (%.2f %.2f %.2f)\n",
-                    named.c_str(), study.targets[t].name.c_str(), it.found, it.failed, 1e3 * it.displacement[1],
-                    1e3 * it.displacement[0], 1e3 * it.displacement[2], 1e3 * it.distance[2], 1e3 * it.mean.x(),
-                    1e3 * it.mean.y(), 1e3 * it.mean.z(), 1e3 * widest, along.x(), along.y(), along.z());
-      printed += line;
+                    it.found, it.failed, 1e3 * it.displacement[1], 1e3 * it.displacement[0], 1e3 * it.displacement[2],
+                    1e3 * it.distance[2], 1e3 * it.mean.x(), 1e3 * it.mean.y(), 1e3 * it.mean.z(), 1e3 * widest,
+                    along.x(), along.y(), along.z());
+      printed += named + study.targets[t].name + line;
     }
   }
   write_whole(path, text);

@@ -14,6 +14,14 @@
 #include "fit.h"
 #include "scene.h"
 
+/// Of the tables, besides the parameters and, of scenes, the targets' own ones, as in tip_ux.
+constexpr const char* scene_columns = "scene,status,reason";
+constexpr const char* spread_columns =
+    "target,scenes,failed,mean_x,mean_y,mean_z,var_x,cov_xy,cov_xz,var_y,cov_yz,var_z,displacement_p05,displacement_"
+    "p50,"
+    "displacement_p95,distance_p50,distance_p90,distance_p95";
+constexpr std::array<const char*, target_values> target_columns{"x", "y", "z", "ux", "uy", "uz"};
+
 /// How a target's place varies over the sampled parameters.
 struct TargetSpread {
   int found = 0, failed = 0;                             ///< scenes

@@ -37,12 +37,15 @@ double stress_of(const EnergyConstants& p, StrainTest test, double strain) {
     energy_density<double>(options, p, F, &P);
     return P(1, 1);
   };
-  // The width at which the sides are free, by the secant method from that of constant volume.
-  double before = 1.0, pull_before = side(before), width = 1.0 / std::sqrt(strain);
-  for (int n = 0; n < 50; ++n) {
+  // The width at which the sides are free, by the secant method from that of constant volume. It lies between one where
+  // they are pressed and one where they are pulled, which are halved where that method leaves them or is slow.
+  double before = 1.0, pull_before = side(before), width = 1.0 / std::sqrt(strain), pressed = 0.0, pulled = 1e3;
+  for (int n = 0; n < 200; ++n) {
     const double pull = side(width);
     if (std::abs(width - before) < 1e-14 || pull == pull_before) break;
-    const double next = width - pull * (width - before) / (pull - pull_before);
+    (pull < 0.0 ? pressed : pulled) = width;
+    double next = width - pull * (width - before) / (pull - pull_before);
+    if (!(next > pressed && next < pulled) || (n > 20 && n % 3 == 2)) next = 0.5 * (pressed + pulled);
     before = width, pull_before = pull;
     width = std::clamp(next, 0.5 * width, 2.0 * width);
   }

@@ -103,7 +103,7 @@ Index first_folded_cell(const Model& model, std::span<const Vec3> position) {
     };
     const double at_rest = measure(model.rest);
     // A cell that the model has wound the other way is negative from the start.
-    const auto folds = [&](double now, double rest) { return now * at_rest < folded_share * rest * at_rest; };
+    const auto folds = [&](double now, double rest) { return !(now * at_rest >= folded_share * rest * at_rest); };
     if (folds(measure(position), at_rest)) return static_cast<Index>(c);
     if (!solid || one_corner) continue;
     for (const CellCorner& corner : cell_corners(cell.type)) {

@@ -4,8 +4,10 @@
 
 #include <array>
 
+#include "elastic/energy_density.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
+#include "topology/energies.h"
 
 namespace phymul::test {
 namespace {
@@ -39,6 +41,28 @@ TEST(MaterialFit, FindsTheConstantsOfItsOwnStresses) {
     EXPECT_NEAR(found.second, of.second, 1e-3);
     EXPECT_NEAR(found.second_fades, of.second_fades, 1e-3 * of.second_fades);
     EXPECT_EQ(fit.material.poisson, start.poisson);
+  }
+}
+
+/// Against a bisection over the width at which the sides are free. The stress has a corner there, or nearly.
+TEST(MaterialFit, StressOfAStiffeningMaterialHasFreeSides) {
+  for (const auto& [poisson, exponential, exponent, stretch] :
+       {std::array{0.4, 0.2, 30.0, 0.65}, {0.45, 2.0, 20.0, 0.66}, {0.45, 5.0, 30.0, 0.71}, {0.3, 1.0, 3.0, 1.7}}) {
+    const Material material{.young = 1e3,
+                            .poisson = poisson,
+                            .density = 1000,
+                            .stiffening = {.exponential = exponential, .exponent = exponent}};
+    const EnergyConstants constants = energy_constants(StrainEnergy::stiffening, material, Vec3::Zero());
+    double pressed = 0.5, pulled = 2.0;
+    Mat3 P;
+    for (int n = 0; n < 60; ++n) {
+      const double width = 0.5 * (pressed + pulled);
+      energy_density<double>({.strain_energy = StrainEnergy::stiffening}, constants,
+                             Vec3(stretch, width, width).asDiagonal(), &P);
+      (P(1, 1) < 0.0 ? pressed : pulled) = width;
+    }
+    const double stress = nominal_stress(material, StrainTest::uniaxial, stretch);
+    EXPECT_NEAR(stress, P(0, 0), 1e-6 * std::abs(P(0, 0))) << poisson << ' ' << exponent << ' ' << stretch;
   }
 }
 

@@ -215,6 +215,12 @@ TEST(PmlRead, Latin1NamesAndByteOrderMark) {
   const std::string latin1 =
       "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>" + replaced(text, "name=\"t\"", "name=\"t\xEAte\"");
   EXPECT_EQ(read_pml_text(latin1, "t.pml").name, "t\xC3\xAAte");
+  // A name of a mesh file that is not UTF-8 is written as if it were Latin-1; what is UTF-8 stays.
+  Model named = read_pml_text(text, "t.pml");
+  named.name = "t\xEAte\xC0\xAF \xC3\xAA \xE2\x82\xAC\xF0\x9F\x98\x80\xED\xA0\x80\xE2\x82";
+  EXPECT_EQ(
+      read_pml_text(written(named), "t.pml").name,
+      "t\xC3\xAAte\xC3\x80\xC2\xAF \xC3\xAA \xE2\x82\xAC\xF0\x9F\x98\x80\xC3\xAD\xC2\xA0\xC2\x80\xC3\xA2\xC2\x82");
   EXPECT_EQ(read_pml_text("\xEF\xBB\xBF" + text, "t.pml").name, "t");
   std::string windows;
   for (const char c : text) windows += c == '\n' ? std::string("\r\n") : std::string(1, c);

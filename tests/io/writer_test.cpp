@@ -227,11 +227,16 @@ TEST(Writer, RefusesAStateOfAnotherModel) {
 }
 
 TEST(Writer, RefusesFieldsWithoutANameOfTheirOwn) {
-  const Model model = make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  Model model = make_block({0.03, 0.02, 0.01}, 1, 1, 1);
+  model.add_group("a\x01", {1});
   const TextFile file("fields.vtu", "as it was");
   const std::vector<double> values(8, 1.0);
-  const std::vector<std::vector<phymul::Field>> bad{
-      {{"", values}}, {{"mass", values}}, {{"a", values}, {"a", values}}, {{"group:x0", values}}};
+  const std::vector<std::vector<phymul::Field>> bad{{{"", values}},
+                                                    {{"mass", values}},
+                                                    {{"a", values}, {"a", values}},
+                                                    {{"group:x0", values}},
+                                                    {{"a\x01", values}, {"a?", values}},
+                                                    {{"group:a?", values}}};
   for (const std::vector<phymul::Field>& fields : bad) {
     EXPECT_THROW(write_vtu(model, rest_state(model), file.path(), fields), Error);
   }

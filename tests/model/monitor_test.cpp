@@ -192,6 +192,9 @@ TEST(Monitor, FoldedCellsAreTheFlatAndTheInsideOut) {
     x = model.rest;
     for (Vec3& p : x) p.x() = -p.x();
     EXPECT_EQ(first_folded_cell(model, x), 0);
+    x = model.rest;
+    x[model.cells[2].particles[0]].z() = std::nan("");
+    EXPECT_GE(first_folded_cell(model, x), 0) << "a place that is no number";
   }
 }
 

@@ -2,6 +2,7 @@
 //
 // plan(): promises, offers, the same motion from the same plan, and what it refuses.
 #include <gtest/gtest.h>
+#include <phymul/body.h>
 #include <phymul/plan.h>
 #include <phymul/shapes.h>
 #include <phymul/skin.h>
@@ -66,6 +67,27 @@ TEST(Plan, KeepsItsPromiseAgainstAMuchFinerBody) {
   EXPECT_LE(found, made.chosen.error);
   EXPECT_GE(found, 0.02 / 20) << "far finer than asked for:\n" << made.report();
   EXPECT_TRUE(says(made.report(), "chosen"));
+}
+
+/// Particles that wait for cuts are neither compared, at the place of the first one, nor counted.
+TEST(Plan, SpareParticlesChangeNoError) {
+  PlanOptions options = wishes(0.02, 20);
+  options.coarsest = 0.05, options.finest = 0.02;
+  const auto planned = [&](Index spare) {
+    const auto hanging = [spare](const PlanCandidate& candidate) {
+      Simulation sim(with_spare_particles(beam(candidate.spacing), spare),
+                     candidate.options({.material = planned_tissue}));
+      sim.scene().fix("x1").gravity({0, 0, -0.1});
+      return sim;
+    };
+    return plan(hanging, options);
+  };
+  const Plan one = planned(0), other = planned(2000);
+  ASSERT_EQ(one.trials.size(), other.trials.size());
+  for (std::size_t k = 0; k < one.trials.size(); ++k) {
+    EXPECT_EQ(one.trials[k].particles, other.trials[k].particles);
+    EXPECT_NEAR(one.trials[k].error, other.trials[k].error, 1e-6);
+  }
 }
 
 /// While time is left, bodies are compared with a better one than the error asked for needs.

@@ -3,7 +3,7 @@
 
 Guide: docs/guide/python.md."""
 
-from ._library import Error, ErrorCode, library as _c, text_of as _text_of
+from ._library import Error, ErrorCode, lines_of as _lines_of, library as _c
 from .body import (Body, Material, MaterialFit, body_from_arrays, fit_material, make_block, make_body, make_cylinder,
                    make_tetrahedral_block, make_wall, read_body, read_surface)
 from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Jaws, JawsReport, Joint, JointReport, Load, Needle,
@@ -17,7 +17,7 @@ __version__: str = _c.phymul_version().decode()
 
 def backends() -> "list[str]":
     """Names that Simulation(backend=) accepts in this build, without "auto"."""
-    return _text_of(_c.phymul_backends).splitlines()
+    return _lines_of(_c.phymul_backends)
 
 
 __all__ = [

@@ -75,25 +75,40 @@ def _require_range(value: Any, kind: Any, what: str) -> None:
         raise Error(f"{what}: expected an integer from {low} to {high}, got {value!r:.100}")
 
 
+def encoded(text: Any) -> Any:
+    """As C has it, bytes that are not UTF-8 included. Throws Error for a zero, at which C would end it."""
+    data = text.encode(errors="surrogateescape") if isinstance(text, str) else text
+    if isinstance(data, bytes) and b"\0" in data:
+        raise Error(f"expected a name or path without a zero in it, got {text!r:.100}")
+    return data
+
+
+def decoded(text: Optional[bytes]) -> str:
+    return (text or b"").decode(errors="surrogateescape")
+
+
+def _for_c(value: Any, kind: Any, what: str) -> Any:
+    if kind in _ranges:
+        _require_range(value, kind, what)
+    return encoded(value) if kind is ctypes.c_char_p else value
+
+
 class _Struct(ctypes.Structure):
     def __setattr__(self, name: str, value: Any) -> None:
-        kind = dict(self._fields_)[name]
-        if kind in _ranges:
-            _require_range(value, kind, name)
-        super().__setattr__(name, value)
+        super().__setattr__(name, _for_c(value, dict(self._fields_)[name], name))
 
 
 def _checked(function: Any, names: list[str]) -> Any:
-    """The function, with integers that fit their types."""
-    rows = [(row, kind, names[row]) for row, kind in enumerate(function.argtypes) if kind in _ranges]
+    """The function, with as many arguments as it has, integers that fit their types and text as str."""
+    types = function.argtypes
 
     def call(*arguments: Any) -> Any:
-        for row, kind, name in rows:
-            _require_range(arguments[row], kind, name)
-        return function(*arguments)
+        if len(arguments) != len(types):  # ctypes takes more
+            raise TypeError(f"{function.__name__}: expected {len(types)} arguments, got {len(arguments)}")
+        return function(*map(_for_c, arguments, types, names))
 
-    call.argtypes = function.argtypes  # type: ignore[attr-defined]
-    return call if rows else function
+    call.argtypes = types  # type: ignore[attr-defined]
+    return call
 
 
 def _read_header(text: str, loaded: ctypes.CDLL) -> None:
@@ -123,7 +138,7 @@ def _read_header(text: str, loaded: ctypes.CDLL) -> None:
 
 def _check(status: int, function: Any, arguments: Any) -> int:
     if status:
-        raise Error(library.phymul_last_error().decode(), ErrorCode(status))
+        raise Error(decoded(library.phymul_last_error()), ErrorCode(status))
     return status
 
 
@@ -185,7 +200,13 @@ def text_of(function: Any, *arguments: Any) -> str:
     """Calls a function whose last parameter is where a string goes."""
     text = ctypes.c_char_p()
     function(*arguments, ctypes.byref(text))
-    return (text.value or b"").decode()
+    return decoded(text.value)
+
+
+def lines_of(function: Any, *arguments: Any) -> list[str]:
+    """The same of a list, a line each."""
+    text = text_of(function, *arguments)
+    return text.split("\n") if text else []
 
 
 def sized(name: str, **fields: Any) -> Any:
@@ -253,6 +274,21 @@ def rows_of(chosen: Any, count: int, what: str) -> np.ndarray:
 
 def _words(shape: tuple[int, ...]) -> str:
     return "(" + ", ".join("n" if size < 0 else str(size) for size in shape) + ("," if len(shape) == 1 else "") + ")"
+
+
+def other_than_zero(value: Any, what: str) -> Any:
+    """Throws Error for 0, which in C stands for a default."""
+    if value == 0:
+        raise Error(f"{what}: expected a number other than 0")
+    return value
+
+
+def cut_along(function: Any, body: int, point: Any, normal: Any, front: Any, out: Any) -> None:
+    """Calls a function of a body, a plane, that of a front or none, and a place for the result."""
+    if front is not None and len(front) != 2:
+        raise Error(f"front: expected a point and a normal, got {front!r:.200}")
+    planes = [floats(value, (3,), "a point or normal") for value in (point, normal, *(front or ()))]
+    function(body, *(value.ctypes.data for value in planes), *[None] * (4 - len(planes)), out)
 
 
 def path_of(path: Union[str, "os.PathLike[str]"]) -> bytes:

@@ -10,8 +10,8 @@ from typing import Any, Optional, Sequence, Union
 
 import numpy as np
 
-from ._library import (Error, Handle, Owner, constants, floats, integers, library, make, path_of, rows_of, sized,
-                       structs, text_of, view, view_of)
+from ._library import (Error, Handle, Owner, constants, cut_along, floats, integers, library, lines_of, make,
+                       other_than_zero, path_of, rows_of, sized, structs, view, view_of)
 
 Path = Union[str, "os.PathLike[str]"]
 Vector = Union[Sequence[float], np.ndarray]
@@ -100,15 +100,19 @@ class Body(Owner):
         return view_of(library.phymul_body_triangles, self._own, 3, "<i4")
 
     @property
-    def cells(self) -> list[np.ndarray]:
-        """Particles of each cell. Copies."""
+    def _cell_lists(self) -> tuple[np.ndarray, np.ndarray]:
+        """[cells + 1] where each cell's particles begin, and all their particles. Copies."""
         out = [ctypes.c_void_p() for _ in range(3)]
         count = ctypes.c_int32()
         library.phymul_body_cells(self._pointer, *(ctypes.byref(place) for place in out), ctypes.byref(count))
-        if count.value == 0:
-            return []
-        first = view(out[1].value, (count.value + 1,), "<i4", self._own)
-        return np.split(view(out[2].value, (int(first[-1]),), "<i4", self._own).copy(), first[1:-1])
+        first = view(out[1].value, (count.value + 1,), "<i4", self._own).copy()
+        return first, view(out[2].value, (int(first[-1]),), "<i4", self._own).copy()
+
+    @property
+    def cells(self) -> list[np.ndarray]:
+        """Particles of each cell. Copies."""
+        first, particles = self._cell_lists
+        return np.split(particles, first[1:-1]) if len(first) > 1 else []
 
     @property
     def cell_centres(self) -> np.ndarray:
@@ -118,34 +122,47 @@ class Body(Owner):
 
     @property
     def groups(self) -> list[str]:
-        return text_of(library.phymul_body_groups, self._pointer).splitlines()
+        return lines_of(library.phymul_body_groups, self._pointer)
 
     @property
     def notes(self) -> list[str]:
         """What reading, building and set_material found or corrected."""
-        return text_of(library.phymul_body_notes, self._pointer).splitlines()
+        return lines_of(library.phymul_body_notes, self._pointer)
 
     def group(self, name: str) -> np.ndarray:
         """[n] particles of a group, sorted. A copy."""
 
         def find(body: int, rows: Any, count: Any) -> None:
-            library.phymul_body_group(body, name.encode(), rows, count)
+            library.phymul_body_group(body, name, rows, count)
 
         return view_of(find, self._own, 1, "<i4").copy()
 
     def add_group(self, name: str, particles: Any) -> None:
         """Rows of particles, or a mask of N booleans: `body.add_group("held", body.rest[:, 2] < 0.01)`."""
-        rows = rows_of(particles, self.particles, f'group "{name}"')
-        library.phymul_body_add_group(self._pointer, name.encode(), rows.ctypes.data, len(rows))
+        rows = self._rows(particles, f'group "{name}"')
+        library.phymul_body_add_group(self._pointer, name, rows.ctypes.data, len(rows))
 
     def add_cell_group(self, name: str, cells: Any) -> None:
         """Rows of cells, or a mask. set_material gives a material to exactly these."""
         rows = rows_of(cells, len(self.cells), f'group "{name}"')
-        library.phymul_body_add_cell_group(self._pointer, name.encode(), rows.ctypes.data, len(rows))
+        library.phymul_body_add_cell_group(self._pointer, name, rows.ctypes.data, len(rows))
 
     def within(self, centre: Vector, radius: float) -> np.ndarray:
-        """Mask of the particles at most `radius`, m, from a place at rest."""
-        return np.linalg.norm(self.rest - floats(centre, (3,), "a centre"), axis=1) <= radius
+        """Mask of the particles at most `radius`, m, from a place at rest. Spare particles are nowhere."""
+        return (np.linalg.norm(self.rest - floats(centre, (3,), "a centre"), axis=1) <= radius) & ~self._spare
+
+    @property
+    def _spare(self) -> np.ndarray:
+        """Mask of the particles that wait for cuts: without mass, behind those of all cells."""
+        cells = self._cell_lists[1]
+        spare = (self.masses == 0) & (len(cells) > 0)
+        spare[: cells.max(initial=-1) + 1] = False
+        return spare
+
+    def _rows(self, chosen: Any, what: str) -> np.ndarray:
+        """Of particles by number, or by a mask, which never means spare ones: they lie where particle 0 does."""
+        rows = rows_of(chosen, self.particles, what)
+        return rows[~self._spare[rows]] if np.asarray(chosen).dtype == bool else rows
 
     def set_material(self, young: float, poisson: float, density: float, group: Optional[str] = None,
                      **further: float) -> Material:
@@ -153,7 +170,7 @@ class Body(Owner):
         Masses follow from the density."""
         material = Material(young, poisson, density, **further)
         library.phymul_body_set_material(self._pointer, ctypes.byref(material._struct),
-                                         group.encode() if group else None)
+                                         group)
         return material
 
     def add_capsule(self, material: Material) -> None:
@@ -163,9 +180,7 @@ class Body(Owner):
     def cut(self, point: Vector, normal: Vector, front: Optional[tuple[Vector, Vector]] = None) -> Body:
         """A body of tetrahedra, cut along a plane; where `front`, a point and a normal, is given, only behind it. Set
         materials before. The faces of the cut touch under contacts."""
-        plane = [floats(value, (3,), "a point or normal") for value in (point, normal, *(front or ()))]
-        pointers = [value.ctypes.data for value in plane] + [None] * (4 - len(plane))
-        return Body(make("body", library.phymul_body_cut, self._pointer, *pointers))
+        return Body(make("body", cut_along, library.phymul_body_cut, self._pointer, point, normal, front))
 
     @property
     def parts(self) -> tuple[np.ndarray, np.ndarray]:
@@ -204,12 +219,14 @@ def make_cylinder(radius: float, length: float, rings: int, sectors: int, discs:
 
 def read_body(path: Path, metres_per_unit: Optional[float] = None) -> Body:
     """A .pml file (millimetres unless said otherwise), or a mesh: .msh, .vtk, .vtu (metres)."""
-    return Body(make("body", library.phymul_body_read, path_of(path), metres_per_unit or 0.0))
+    return Body(make("body", library.phymul_body_read, path_of(path),
+                     0.0 if metres_per_unit is None else other_than_zero(metres_per_unit, "metres_per_unit")))
 
 
 def read_surface(path: Path, metres_per_unit: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """Vertices [n][3], m, and triangles [m][3] of an STL, OBJ, PLY or glTF file, mended. Views, read-only."""
-    handle = make("surface", library.phymul_surface_read, path_of(path), metres_per_unit)
+    handle = make("surface", library.phymul_surface_read, path_of(path),
+                  other_than_zero(metres_per_unit, "metres_per_unit"))
     return (view_of(library.phymul_surface_vertices, handle, 3, "<f8"),
             view_of(library.phymul_surface_triangles, handle, 3, "<i4"))
 

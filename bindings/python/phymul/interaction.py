@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import ctypes
+import sys
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
 import numpy as np
 
-from ._library import Error, Handle, Owner, floats, library, make, sized, view
+from ._library import Error, ErrorCode, Handle, Owner, floats, library, make, sized, view
 from .body import Vector
 
 if TYPE_CHECKING:
@@ -152,7 +153,7 @@ def pose_of(pose: Pose) -> Any:
 def events_of(value: Value) -> np.ndarray:
     """[2][n]: times and values."""
     if isinstance(value, (int, float)):
-        value = [(0.0, float(value))]
+        value = [(-sys.float_info.max, float(value))]  # before its first time a value is 0
     return np.ascontiguousarray(floats(value, (-1, 2), "a value: a number, or pairs of time and value").T)
 
 
@@ -169,7 +170,13 @@ class Numbered:
 class Load(Numbered):
     """A load of a simulation; set() changes its value, as often as you like."""
 
+    def __init__(self, simulation: Scene, number: int) -> None:
+        super().__init__(simulation, number)
+        self._replays = simulation._replays
+
     def set(self, value: Value) -> None:
+        if self._replays != self._simulation._replays:
+            raise Error("this load is gone: replay() cleared the scene", ErrorCode.UNKNOWN_NAME)
         events = events_of(value)
         self._call(library.phymul_set_load, events[0].ctypes.data, events[1].ctypes.data, events.shape[1])
 

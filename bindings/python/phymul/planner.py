@@ -7,7 +7,8 @@ import ctypes
 from dataclasses import dataclass
 from typing import Any, Callable, Optional, Sequence
 
-from ._library import Builder, Error, ErrorCode, Owner, constants, library, make, sized, structs, text_of
+from ._library import (Builder, Error, ErrorCode, Owner, constants, decoded, library, make, other_than_zero, sized,
+                       structs, text_of)
 from .simulation import Simulation
 
 
@@ -40,7 +41,7 @@ class Trial:
 
 
 def _candidate(struct: Any) -> Candidate:
-    return Candidate(struct.spacing, struct.backend.decode(), struct.step, struct.threads)
+    return Candidate(struct.spacing, decoded(struct.backend), struct.step, struct.threads)
 
 
 def _trial(struct: Any) -> Trial:
@@ -63,6 +64,7 @@ class _Building:
                 raise ValueError("the builder must not read arrays of the simulation: it is handed over")
             made[0] = handle.pointer
             handle.pointer = None
+            self.thrown = None
             return 0
         except BaseException as thrown:  # an exception cannot pass through C
             self.thrown = thrown
@@ -131,6 +133,6 @@ def plan(build: Callable[[Candidate], Simulation], *, max_error: float, rate: fl
     """`build` makes a new simulation of a candidate, with its scene; it must not read its arrays. max_error: share of
     the displacement; rate: Hz, rest_in: s, one of them; the rest is in docs/guide/planning.md."""
     return Plan(_Building(build), sized(
-        "phymul_plan_options", max_error=max_error, rate=rate, rest_in=rest_in, head_room=head_room,
-        probe_time=probe_time, coarsest=coarsest, finest=finest, budget=budget, most_threads=most_threads,
-        backends="\n".join(backends).encode()))
+        "phymul_plan_options", max_error=max_error, rate=rate, rest_in=rest_in,
+        head_room=other_than_zero(head_room, "head_room"), probe_time=probe_time, coarsest=coarsest, finest=finest,
+        budget=other_than_zero(budget, "budget"), most_threads=most_threads, backends="\n".join(backends)))

@@ -9,7 +9,7 @@ from typing import Any, Optional, TypeVar, Union
 
 import numpy as np
 
-from ._library import Error, Owner, constants, floats, integers, library, make, rows_of, sized, text_of
+from ._library import Error, Owner, constants, floats, integers, library, lines_of, make, other_than_zero, sized
 from .body import Body, Material, Vector
 from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Jaws, JawsOptions, Joint, Load, Needle, Numbered,
                           Pose, Shape, Skin, Sphere, Tool, Value, Where, constants_of, events_of, fill, pose_of)
@@ -23,12 +23,14 @@ Added = TypeVar("Added", bound=Numbered)
 class Scene(Owner):
     """What acts on the body of a simulation: base of Simulation. Functions that return it can be chained."""
 
+    _replays = 0  # each makes other loads
+
     @property
     def body(self) -> Body:
         raise NotImplementedError
 
     def _rows(self, where: Where) -> np.ndarray:
-        return self.body.group(where) if isinstance(where, str) else rows_of(where, self.body.particles, "particles")
+        return self.body.group(where) if isinstance(where, str) else self.body._rows(where, "particles")
 
     def _anchor(self, anchor: Anchor) -> tuple[Any, Any]:
         """The struct, and the particles that it points to."""
@@ -84,7 +86,7 @@ class Scene(Owner):
 
     def constrain_volume(self: Own, group: Optional[str] = None) -> Own:
         """Keeps the volume of a group, or of the whole body, at its rest value."""
-        library.phymul_constrain_volume(self._pointer, group.encode() if group else None)
+        library.phymul_constrain_volume(self._pointer, group)
         return self
 
     def add_tool(self, shape: Shape, pose: Pose = Pose(), *, friction: float = 0.0, compliance: float = 0.0,
@@ -128,7 +130,7 @@ class Scene(Owner):
         options.touches_particles = contact == "particles"
         if toughness is not None:
             options.cuts, options.toughness = 1, toughness
-        return Jaws(self, make("jaws", library.phymul_jaws_create, self._pointer, name.encode(), _ref(options),
+        return Jaws(self, make("jaws", library.phymul_jaws_create, self._pointer, name, _ref(options),
                                _ref(pose_of(hinge))))
 
     def add_joint(self, a: Anchor, b: Anchor, stiffness: float, damping: float = 0.0, *, slack: bool = False,
@@ -136,7 +138,8 @@ class Scene(Owner):
         """A spring with a damper, N/m and N s/m. rest_length: m; left out, the distance of the anchors when added."""
         ends = [self._anchor(a), self._anchor(b)]
         options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
-                         breaking=breaking_force, rest_length=-1.0 if rest_length is None else rest_length)
+                         breaking=other_than_zero(breaking_force, "breaking_force"),
+                         rest_length=-1.0 if rest_length is None else rest_length)
         return self._add(Joint, library.phymul_joint_add, _ref(ends[0][0]), _ref(ends[1][0]), _ref(options))
 
     def attach(self, where: Where, to: Union[str, Tool, None] = None, *, stiffness: float, damping: float = 0.0,
@@ -145,8 +148,8 @@ class Scene(Owner):
         the world at `offset`, m, from the particles. N/m^3, N s/m^3, Pa: per area."""
         rows, vector = self._rows(where), floats(offset, (3,), "an offset")
         options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
-                         breaking=breaking_stress)
-        body = to.encode() if isinstance(to, str) else None
+                         breaking=other_than_zero(breaking_stress, "breaking_stress"))
+        body = to if isinstance(to, str) else None
         tool = to._number_in(self) if isinstance(to, Tool) else 0
         return self._add(Joint, library.phymul_attach, rows.ctypes.data, len(rows), body, tool, vector.ctypes.data,
                          _ref(options))
@@ -162,7 +165,7 @@ class Scene(Owner):
     def add_body_types(self) -> list[str]:
         """Adds what the components of a .pml file are by their bodyType: springs, held bodies, contacts. Returns a
         sentence for each."""
-        return text_of(library.phymul_add_body_types, self._pointer).splitlines()
+        return lines_of(library.phymul_add_body_types, self._pointer)
 
     def bind(self, points: Any, triangles: Any = ()) -> Skin:
         """Points [n][3], m, that move with the body, such as the vertices of a finer surface; triangles for normals."""
@@ -196,28 +199,28 @@ class Scene(Owner):
         volume: m^3, that the fluid has without pressure."""
         rows = integers(triangles, 3, "triangles")
         struct, _kept = fluid._struct()
-        library.phymul_volume_add(self._pointer, name.encode(), rows.ctypes.data, len(rows), volume, _ref(struct))
+        library.phymul_volume_add(self._pointer, name, rows.ctypes.data, len(rows), volume, _ref(struct))
         return self
 
     def set_volume(self: Own, name: str, volume: float) -> Own:
         """m^3, of the fluid without pressure. constrain_volume() calls a volume "volume 3" if it is the third added."""
-        library.phymul_volume_set(self._pointer, name.encode(), volume)
+        library.phymul_volume_set(self._pointer, name, volume)
         return self
 
     def set_fluid(self: Own, name: str, fluid: Fluid) -> Own:
         """As much of it as there is; opens and closes openings."""
         struct, _kept = fluid._struct()
-        library.phymul_volume_set_fluid(self._pointer, name.encode(), _ref(struct))
+        library.phymul_volume_set_fluid(self._pointer, name, _ref(struct))
         return self
 
     def remove_volume(self: Own, name: str) -> Own:
-        library.phymul_volume_remove(self._pointer, name.encode())
+        library.phymul_volume_remove(self._pointer, name)
         return self
 
     def fluid(self, name: str) -> FluidState:
         """After the last step."""
         volume, pressure = ctypes.c_double(), ctypes.c_double()
-        library.phymul_volume_read(self._pointer, name.encode(), _ref(volume), _ref(pressure))
+        library.phymul_volume_read(self._pointer, name, _ref(volume), _ref(pressure))
         return FluidState(volume.value, pressure.value)
 
     def tear(self: Own, toughness: float, radius: float = 0.0, material: Optional[Material] = None) -> Own:

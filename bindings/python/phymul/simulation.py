@@ -9,7 +9,8 @@ from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 
-from ._library import Error, ErrorCode, Handle, Owner, floats, library, make, path_of, rows_of, sized, text_of, view_of
+from ._library import (Error, ErrorCode, Handle, Owner, cut_along, encoded, floats, library, lines_of, make,
+                       other_than_zero, path_of, rows_of, sized, text_of, view_of)
 from .body import Body, Material, Path, Vector
 from .interaction import fields_of
 from .scene import Scene
@@ -80,8 +81,9 @@ class Simulation(Scene):
         multiple of the stable step; 0: it follows the deformation. threads: of the backend "cpu", 0: as many as the
         body has work for."""
         self._handle: Optional[Handle] = None
-        options = sized("phymul_options", threads=threads, backend=backend.encode(), damping_rate=damping, step=step,
-                         rest_tolerance=rest_tolerance, sleeps=sleep_tolerance is not None,
+        options = sized("phymul_options", threads=threads, backend=backend, damping_rate=damping, step=step,
+                         rest_tolerance=other_than_zero(rest_tolerance, "rest_tolerance"),
+                         sleeps=sleep_tolerance is not None,
                          sleep_tolerance=sleep_tolerance or 0.0)
         material = Material(young, poisson, density)
         material_struct = material._struct
@@ -91,7 +93,7 @@ class Simulation(Scene):
         handles = (ctypes.c_void_p * len(bodies))(*(each._pointer for each in bodies))
         names = None
         if not isinstance(body, Body):
-            names = (ctypes.c_char_p * len(bodies))(*(name.encode() for name in body))
+            names = (ctypes.c_char_p * len(bodies))(*map(encoded, body))
         self._handle = make("simulation", library.phymul_simulation_create, handles, names, len(bodies), _ref(options))
         self._body: Optional[Body] = None
         self._body_cuts = 0
@@ -124,10 +126,8 @@ class Simulation(Scene):
         """Cuts along a plane in the rest shape; where `front`, a point and a normal, is given, only behind it. Whether
         anything was cut. The body needs spare particles (Body.with_spare_particles); restore() undoes cuts. Read `body`
         again for masses, cells and surface."""
-        plane = [floats(value, (3,), "a point or normal") for value in (point, normal, *(front or ()))]
-        pointers = [value.ctypes.data for value in plane] + [None] * (4 - len(plane))
         whether = ctypes.c_int32()
-        library.phymul_cut(self._pointer, *pointers, ctypes.byref(whether))
+        cut_along(library.phymul_cut, self._pointer, point, normal, front, _ref(whether))
         self._body = None
         return bool(whether.value)
 
@@ -177,7 +177,8 @@ class Simulation(Scene):
         """The rest shape without steps, for scenes without contacts. Ask whether it `converged`. With `predict` the
         search begins where the last calls lead, for loads and tools that change little by little."""
         function = library.phymul_follow_static if predict else library.phymul_solve_static
-        return self._rested(function, tolerance, most_evaluations)
+        return self._rested(function, other_than_zero(tolerance, "tolerance"),
+                            other_than_zero(most_evaluations, "most_evaluations"))
 
     # What it is like now
 
@@ -234,7 +235,7 @@ class Simulation(Scene):
     @property
     def warnings(self) -> list[str]:
         """What is probably not meant: suspect units, parts that nothing holds."""
-        return text_of(library.phymul_warnings, self._pointer).splitlines()
+        return lines_of(library.phymul_warnings, self._pointer)
 
     # States
 
@@ -269,7 +270,8 @@ class Simulation(Scene):
         library.phymul_save_recording(self._pointer, path_of(path))
 
     def replay(self, path: Path) -> None:
-        """Clears the scene and repeats a recording."""
+        """Clears the scene and repeats a recording. Loads, tools and joints from before are gone."""
+        self._replays += 1
         library.phymul_replay(self._pointer, path_of(path))
         self._body = None
 

@@ -42,6 +42,11 @@ class Library(unittest.TestCase):
         self.assertRegex(phymul.__version__, r"^\d+\.\d+\.\d+$")
         self.assertIn("reference", phymul.backends())
 
+    def test_functions_want_all_their_arguments_and_no_more(self):
+        for arguments in ((None,), (None,) * 3):
+            with self.assertRaisesRegex(TypeError, "phymul_body_masses: expected 2 arguments"):
+                _library.library.phymul_body_masses(*arguments)
+
 
 class Bodies(Refusals):
     def test_shapes_and_groups(self):
@@ -67,6 +72,11 @@ class Bodies(Refusals):
         inside = block.within((0, 0, 0), 0.0101)
         np.testing.assert_array_equal(np.flatnonzero(inside), np.flatnonzero((block.rest**2).sum(axis=1) < 0.0101**2))
         self.assertGreater(inside.sum(), 1)
+        for name in ("a\rb", "c\x85d", "\udcff"):  # neither the end of a line, nor UTF-8
+            block.add_group(name, [1])
+            self.assertIn(name, block.groups)
+            np.testing.assert_array_equal(block.group(name), [1])
+        self.refused(ErrorCode.UNKNOWN_NAME, "\udcff", block.group, "x9")
 
     def test_materials_give_masses_to_their_cells(self):
         block = phymul.make_block((0.04, 0.02, 0.01), 4, 2, 1)
@@ -113,7 +123,9 @@ class Bodies(Refusals):
             self.assertTrue(simulation.advance(1e-3))
         block = phymul.make_block((0.02, 0.02, 0.02), 2, 2, 2)
         block.set_material(5e3, 0.4, 1000)
+        cells = len(block.cells)
         block.add_capsule(skin)
+        self.assertEqual(len(block.cells), cells + len(block.triangles))
         self.assertAlmostEqual(block.masses.sum(), 1000 * 0.02**3 + 1000 * 0.5e-3 * 6 * 0.02**2, delta=1e-9)
         with self.assertRaisesRegex(phymul.Error, "a thickness above 0"):
             block.add_capsule(phymul.Material(1e5, 0.4, 1000))
@@ -173,6 +185,11 @@ class Bodies(Refusals):
         self.refused(invalid, '"brick"', phymul.body_from_arrays, CUBE, {"brick": [[0]]})
         self.refused(invalid, "over 99", phymul.body_from_arrays, CUBE, {"tetrahedron": [[0, 1, 2, 99]]})
         self.refused(invalid, "", block.set_material, -1, 0.4, 1000)
+        self.refused(ErrorCode.UNKNOWN_NAME, "x0", block.set_material, 5e3, 0.4, 1000, group="")
+        self.refused(invalid, "front: expected a point and a normal", block.cut, (0, 0, 0), (1, 0, 0), front=CUBE[:3])
+        self.refused(invalid, "without a zero", block.group, "x0\0")
+        self.refused(invalid, "without a zero", phymul.read_body, "x.msh\0")
+        self.refused(invalid, "other than 0", phymul.read_body, "x.msh", 0)
         self.assertNotIn("g", block.groups)
 
     def test_views_outlive_their_body_and_nothing_else_does(self):

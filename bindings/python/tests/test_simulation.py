@@ -82,6 +82,11 @@ class Steps(Refusals):
         sim.add_load("translation", sim.body.rest[:, 2] > 0.029, (0, 0, 1), [(0, 0), (0.1, 3e-3)])
         sim.advance(0.05)
         np.testing.assert_allclose(sim.displacements[sim.body.group("z1"), 2], 1.5e-3, rtol=1e-3)
+        sim = block().fix("z0")
+        sim.set_state(time=-1)
+        sim.add_load("force", "z1", (1, 0, 0), 1e-3)  # from before the beginning
+        sim.advance(0.05)
+        self.assertGreater(sim.displacements[:, 0].max(), 1e-4)
 
     def test_failures_of_steps_carry_the_report(self):
         sim = block()
@@ -110,6 +115,16 @@ class Steps(Refusals):
         self.refused(invalid, "64", sim.fix, [64])
         self.refused(invalid, "(3,)", sim.gravity, 9.81)
         self.refused(invalid, "pressure", sim.add_load, "push", "z1")
+        self.refused(ErrorCode.UNKNOWN_NAME, "x0", sim.constrain_volume, "")
+        self.refused(invalid, "front: expected a point and a normal", sim.cut, (0, 0, 0), (1, 0, 0), front=np.eye(3))
+        for name, function in (("rest_tolerance", block), ("tolerance", sim.solve_static),
+                               ("most_evaluations", sim.solve_static), ("budget", phymul.plan),
+                               ("head_room", phymul.plan)):
+            rest = {"build": block, "max_error": 0.1, "rate": 50} if function is phymul.plan else {}
+            self.refused(invalid, f"{name}: expected a number other than 0", function, **rest, **{name: 0})
+        anchors = Anchor(particles="z1"), Anchor(point=(0, 0, 1))
+        self.refused(invalid, "breaking_force: expected", sim.add_joint, *anchors, 1.0, breaking_force=0)
+        self.refused(invalid, "breaking_stress: expected", sim.attach, "z1", stiffness=1.0, breaking_stress=0)
         self.refused(invalid, "(n, 2)", sim.add_load, "force", "z1", (0, 0, 1), [1.0, 2.0])
         self.refused(invalid, "(64, 3), got the shape (3, 3)", sim.set_state, np.zeros((3, 3)))
         self.refused(invalid, "is closed", sim.restore, self.closed(sim.snapshot()))
@@ -214,6 +229,24 @@ class States(Refusals):
         sim.restore(start)
         self.assertEqual(len(sim.body.cells), cells)
 
+    def test_masks_of_places_leave_spare_particles_out(self):
+        body = phymul.make_tetrahedral_block((0.06, 0.04, 0.02), 6, 4, 3)
+        body.set_material(1e4, 0.45, 1000)
+        body = body.with_spare_particles(200)
+        body.add_group("left", body.rest[:, 0] < 1e-3)
+        np.testing.assert_array_equal(body.group("left"), body.group("x0"))
+        np.testing.assert_array_equal(np.flatnonzero(body.within((0, 0, 0), 1e-3)), [0])
+
+        def cut(left):
+            sim = phymul.Simulation(body, damping=20, backend="cpu", threads=1).gravity((0, 0, -1))
+            sim.fix(left(sim)).cut((0.031, 0, 0), (1, 0, 0))
+            sim.advance(0.1)
+            return sim.displacements
+
+        by_group = cut(lambda sim: "x0")
+        self.assertGreater(np.abs(by_group).max(), 2e-3)  # what is cut off falls
+        np.testing.assert_array_equal(by_group, cut(lambda sim: sim.body.rest[:, 0] < 1e-3))
+
     def test_recordings_repeat(self):
         sim = block().fix("z0").gravity((0, 0, -2))
         sim.record()
@@ -223,7 +256,9 @@ class States(Refusals):
         with tempfile.TemporaryDirectory() as folder:
             sim.save_recording(pathlib.Path(folder) / "run")
             again = block()
+            push = again.add_load("force", "z1", (0, 0, 1), 1.0)
             again.replay(pathlib.Path(folder) / "run")
+            self.refused(ErrorCode.UNKNOWN_NAME, "load is gone", push.set, 0.0)
         np.testing.assert_array_equal(again.positions, there)
         self.refused(ErrorCode.INVALID_ARGUMENT, "", again.save_recording, "nowhere")
 
@@ -357,6 +392,7 @@ class Planning(Refusals):
         self.assertIn("Chosen", plan.report)
         sim = plan.make()
         self.assertEqual(sim.body.particles, plan.chosen.particles)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "no offer", plan.make, "most_accurate")
         self.assertGreater(sim.advance(0.01).steps, 0)
         self.refused(ErrorCode.INVALID_ARGUMENT, "cheapest", plan.make, "best")
 
@@ -369,8 +405,16 @@ class Planning(Refusals):
             sim.kept = sim.positions
             return sim
 
+        def unmoved(candidate):
+            if not tried:
+                tried.append(candidate)
+                raise phymul.Error("too coarse")
+            return self.build(candidate).gravity((0, 0, 0))
+
+        tried = []
         with self.assertRaises(KeyError):
             phymul.plan(broken, max_error=0.2, rate=50)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "nothing moves", phymul.plan, unmoved, max_error=0.2, rate=50)
         with self.assertRaisesRegex(ValueError, "handed over"):
             phymul.plan(viewed, max_error=0.2, rate=50)
         self.refused(ErrorCode.UNKNOWN_NAME, "x0", phymul.plan, lambda candidate: self.build(candidate).fix("x9"),

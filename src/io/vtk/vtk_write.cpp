@@ -65,11 +65,11 @@ void require_sizes(const Model& model, const State& state, const std::vector<Fie
   };
   require("positions", state.position.size());
   require("velocities", state.velocity.size());
-  std::set<std::string> taken{"displacement", "velocity", "mass"};
+  std::set<std::string> taken{"displacement", "velocity", "mass"};  // as they are written
+  for (const Component& component : model.components) taken.insert(escaped("group:" + component.name));
   for (const Field& field : fields) {
     require("field \"" + field.name + '"', field.values.size());
-    const bool is_group = field.name.starts_with("group:") && model.has_group(field.name.substr(6));
-    if (!field.name.empty() && !is_group && taken.insert(field.name).second) continue;
+    if (!field.name.empty() && taken.insert(escaped(field.name)).second) continue;
     throw Error(path + ": expected fields with names of their own, other than \"displacement\", \"velocity\", " +
                 "\"mass\" and \"group:\" with a group's, got \"" + field.name + '"');
   }

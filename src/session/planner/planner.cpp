@@ -54,7 +54,7 @@ double Planner::first_spacing() {
     PlanCandidate candidate = first_;
     candidate.spacing = tried = spacing;
     try {
-      particles = prober_.build(candidate).model().particle_count();
+      particles = own_particles(prober_.build(candidate).model());
     } catch (const SceneError&) {
       throw;
     } catch (const std::exception& error) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/decimal.h"
+#include "model/cell_cutter.h"
 
 namespace phymul {
 namespace {
@@ -41,6 +42,10 @@ void require_constant_loads(Simulation& sim) {
 }
 
 }  // namespace
+
+Index own_particles(const Model& model) {
+  return model.particle_count() - static_cast<Index>(spare_particles_of(model).size());
+}
 
 Prober::Prober(const SceneBuilder& builder, const PlanOptions& options)
     : builder_(builder), options_(options), begin_(Clock::now()) {}
@@ -82,7 +87,7 @@ void Prober::choose_points(const Model& model) {
   if (std::ranges::none_of(model.cells, [](const Cell& cell) { return is_volume(cell.type); })) {
     throw SceneError("expected a body with volume cells, whose points can be compared, got none");
   }
-  for (Index i = 0; i < model.particle_count(); ++i) {
+  for (Index i = 0; i < own_particles(model); ++i) {
     Vec3 mean = Vec3::Zero();
     for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) mean += model.rest[*j];
     const Index count = model.neighbours.size(i);
@@ -109,7 +114,7 @@ Probe Prober::probe(const PlanCandidate& candidate, const std::function<bool(con
   Probe result;
   Simulation sim = build(candidate);
   const Model& model = sim.model();
-  result.particles = model.particle_count();
+  result.particles = own_particles(model);
   result.h = mean_spacing(model);
   if (is_known(result)) return result;
   if (points_.empty()) choose_points(model);

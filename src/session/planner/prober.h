@@ -32,6 +32,9 @@ struct Probe {
   std::string note;
 };
 
+/// Without spare ones (phymul/body.h), which have no place of their own.
+Index own_particles(const Model& model);
+
 class Prober {
  public:
   Prober(const SceneBuilder& builder, const PlanOptions& options);
