@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
+#include <random>
 
 #include "support/every_backend.h"
 #include "support/message_of.h"
