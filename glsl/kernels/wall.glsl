@@ -48,7 +48,7 @@ KERNEL WallArea wall_area(WallFrame now) {
 
 // J^(1/3) - 1 of plane stress. With y = J^(1/3) the stress across is 0 where R = y^5 e + c (J^2 f - |F|^2 / 2) is; trace:
 // of C - I, halved; c = 2 mu / (3 K). Newton's method for R / y^4, which is nearly a straight line: four steps, the first
-// from y = 1. Principal stretches of 0.4 to 2.5 leave 3e-6 of y.
+// from y = 1. Principal stretches of 0.4 to 2.5 leave 3e-6 of y for nu of -0.5 and above.
 KERNEL real wall_swelling(real trace, real less, real c) {
   real one = literal(1.0f);
   real two = literal(2.0f);
