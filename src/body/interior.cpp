@@ -17,15 +17,15 @@ double SolidInterior::at(const Vec3& x) const {
   return value;
 }
 
-std::vector<char> SolidInterior::inside(const CentredLattice& lattice) const {
+std::vector<char> PlaceInterior::inside(const CentredLattice& lattice) const {
   std::vector<char> in(lattice.points());
-  for (std::size_t i = 0; i < in.size(); ++i) in[i] = at(lattice.place(static_cast<Index>(i))) < 0.0;
+  for (std::size_t i = 0; i < in.size(); ++i) in[i] = contains(lattice.place(static_cast<Index>(i)));
   return in;
 }
 
-std::vector<char> SolidInterior::inside(const VecList& places) const {
+std::vector<char> PlaceInterior::inside(const VecList& places) const {
   std::vector<char> in(places.size());
-  std::ranges::transform(places, in.begin(), [&](const Vec3& x) { return at(x) < 0.0; });
+  std::ranges::transform(places, in.begin(), [&](const Vec3& x) { return contains(x); });
   return in;
 }
 

@@ -99,6 +99,7 @@ std::vector<LabelRegion> LabelField::named_regions(const std::vector<LabelRegion
 void LabelField::sort_labels(const std::vector<LabelRegion>& regions) {
   region_of_.assign(1 << 16, -1);
   for (const auto& [label, name] : regions) {
+    if (label == 0) refuse_body("expected labels above 0 for regions, got 0 (\"" + name + "\"), where nothing is");
     if (name.empty()) refuse_body("expected a name for the region of label " + std::to_string(label));
     if (name == "surface") {
       refuse_body("expected another name than \"surface\" for a region: it is the group of the particles there");
@@ -186,18 +187,6 @@ RegionShares LabelField::shares(const Vec3& x) const {
     }
   }
   return shares;
-}
-
-std::vector<char> LabelInterior::inside(const CentredLattice& lattice) const {
-  std::vector<char> in(lattice.points());
-  for (std::size_t i = 0; i < in.size(); ++i) in[i] = field_.shares(lattice.place(static_cast<Index>(i))).all > 0.5;
-  return in;
-}
-
-std::vector<char> LabelInterior::inside(const VecList& places) const {
-  std::vector<char> in(places.size());
-  std::ranges::transform(places, in.begin(), [&](const Vec3& x) { return field_.shares(x).all > 0.5; });
-  return in;
 }
 
 double LabelInterior::exit(const Vec3& in, const Vec3& out) const {

@@ -59,14 +59,13 @@ class LabelField {
 };
 
 /// Where the regions have more than half.
-class LabelInterior : public Interior {
+class LabelInterior : public PlaceInterior {
  public:
   explicit LabelInterior(const LabelField& field) : field_(field) {}
-  std::vector<char> inside(const CentredLattice& lattice) const override;
-  std::vector<char> inside(const VecList& places) const override;
   double exit(const Vec3& in, const Vec3& out) const override;
 
  private:
+  bool contains(const Vec3& x) const override { return field_.shares(x).all > 0.5; }
   const LabelField& field_;
 };
 

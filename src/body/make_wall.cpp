@@ -110,6 +110,7 @@ Model make_wall(const Surface& surface, const WallOptions& options) {
   }
   Model model = model_of(fine);
   set_material(model, options.material);
+  model.notes.insert(model.notes.begin(), surface.notes.begin(), surface.notes.end());
   return model;
 }
 
@@ -150,26 +151,34 @@ int add_capsule(Model& model, const Material& material, const Contains& contains
   with.add_group(capsule_group, {});
   with.components.back().cell_refs = rows;
   set_material(with, material, capsule_group);
-  with.components.pop_back();
+  with.components.resize(model.components.size());  // without the group's root
   model = std::move(with);
   return static_cast<int>(rows.size());
 }
 
 int clamp_edges(Model& model, const Contains& contains) {
-  std::map<std::array<Index, 2>, std::pair<int, Index>> edges;  // how many triangles, and the material of one
+  validate(model);
+  struct Edge {
+    int triangles = 0;
+    bool stays = false;  // as it is: clamped, or of a triangle that a cut crosses
+    Index material = -1;
+  };
+  std::map<std::array<Index, 2>, Edge> edges;
   for (const Cell& cell : model.cells) {
-    const bool known = cell.type == CellType::line && cell.material >= 0;
-    if (!known && !is_wall(model, cell)) continue;
+    const bool clamps = cell.type == CellType::line && cell.material >= 0;
+    if (!clamps && !is_wall(model, cell)) continue;
     for (const CellEdge& edge : cell_edges(cell.type)) {
-      auto& [count, material] = edges[sorted_edge(cell.particles[edge[0]], cell.particles[edge[1]])];
-      ++count;
-      material = cell.material;
+      Edge& own = edges[sorted_edge(cell.particles[edge[0]], cell.particles[edge[1]])];
+      own.triangles += !clamps;
+      own.stays = own.stays || clamps || !cell.cuts.empty();
+      own.material = cell.material;
     }
   }
   int clamped = 0;
   for (const auto& [edge, of] : edges) {
-    if (of.first != 1 || !contains(0.5 * (model.rest[edge[0]] + model.rest[edge[1]]))) continue;
-    model.cells.push_back({.type = CellType::line, .particles = {edge[0], edge[1]}, .material = of.second});
+    if (of.triangles != 1 || of.stays) continue;
+    if (contains && !contains(0.5 * (model.rest[edge[0]] + model.rest[edge[1]]))) continue;
+    model.cells.push_back({.type = CellType::line, .particles = {edge[0], edge[1]}, .material = of.material});
     ++clamped;
   }
   if (clamped == 0) {

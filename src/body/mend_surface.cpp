@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "base/place_text.h"
+#include "model/cell_geometry.h"
 #include "model/duplicates.h"
 #include "model/enclosed_volume.h"
 #include "surface_crossings.h"
@@ -185,7 +186,7 @@ class Mending {
     std::size_t open = 0;
     Side first{};
     for_each_edge([&](std::size_t from, std::size_t to) {
-      if ((to - from) % 2 == 0) return;
+      if (to - from != 1) return;  // check_balance() sees where inner walls end
       if (open++ == 0) first = sides_[from];
     });
     if (open == 0) return;
@@ -261,7 +262,17 @@ class Mending {
     return within;
   }
 
-  /// A shell inside an odd number of others bounds a cavity. Shells do not cross, so that one corner says where it is.
+  /// A little inside of the shell, behind its largest triangle: on it another shell may lie. `inward`: its triangles
+  /// face its inside.
+  Vec3 place_inside(const std::vector<Triangle>& shell, bool inward) const {
+    const auto area_of = [&](const Triangle& t) { return area_vector(t, surface_.vertices); };
+    const Triangle& t = *std::ranges::max_element(shell, {}, [&](const Triangle& of) { return area_of(of).norm(); });
+    const Vec3 area = area_of(t);
+    const Vec3 middle = (surface_.vertices[t[0]] + surface_.vertices[t[1]] + surface_.vertices[t[2]]) / 3.0;
+    return middle + (inward ? 1e-5 : -1e-5) / std::sqrt(area.norm()) * area;
+  }
+
+  /// A shell inside an odd number of others bounds a cavity. Shells do not cross, so that one place says where it is.
   /// A shell that encloses nothing has no outside, and stays as it is.
   void turn_outward() {
     std::vector<std::vector<Triangle>> shells(static_cast<std::size_t>(shells_));
@@ -280,7 +291,7 @@ class Mending {
              ", lie on each other and enclose nothing");
         continue;
       }
-      const Vec3 place = (surface_.vertices[t[0]] + surface_.vertices[t[1]] + surface_.vertices[t[2]]) / 3.0;
+      const Vec3 place = place_inside(shells[own], volume < 0.0);
       bool is_cavity = false;
       for (std::size_t other = 0; other < shells.size(); ++other) {
         if (other != own && boxes[other].contains(place)) is_cavity ^= is_within(place, shells[other]);

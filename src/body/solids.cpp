@@ -10,8 +10,10 @@
 #include <memory>
 
 #include "base/place_text.h"
+#include "filling.h"
 #include "interior.h"
 #include "model/closest_triangle.h"
+#include "surface_interior.h"
 
 namespace phymul {
 namespace {
@@ -96,13 +98,18 @@ Solid solid_within(Surface surface) {
   Eigen::AlignedBox3d box;
   for (const auto& [a, b, c] : surface.triangles) {
     box.extend(x[a]).extend(x[b]).extend(x[c]);
-    if (!(x[b] - x[a]).cross(x[c] - x[a]).isZero(0.0)) continue;
-    throw Error("solid_within: the triangle at " + place_text(x[a]) + " has no area; remesh the surface");
+  }
+  if (const Index flat = flat_triangle(x, surface.triangles); flat >= 0) {
+    throw Error("solid_within: the triangle at " + place_text(x[surface.triangles[flat][0]]) +
+                " has no area; remesh the surface");
   }
   if (const auto [a, b] = open_edge(surface.triangles); a >= 0) {
     throw Error("solid_within: shells touch along the edge from " + place_text(x[a]) + " to " + place_text(x[b]) +
                 "; move them apart, or join them by a boolean union");
   }
+  // Overlaps along common faces, which mend_surface() does not see, are refused.
+  const CentredLattice lattice = lattice_over(box.min(), box.max(), {.spacing = box.sizes().maxCoeff() / 64.0});
+  SurfaceInterior(surface, lattice).inside(lattice);
   const auto closest = std::make_shared<const ClosestTriangle>(x, surface.triangles);
   return {[closest](const Vec3& at) { return closest->signed_distance(at); }, box.min(), box.max()};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "closest_triangle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -29,6 +30,16 @@ std::array<Index, 2> open_edge(std::span<const Triangle> triangles) {
     if (times != 1 || back == count.end() || back->second != 1) return {edge.first, edge.second};
   }
   return {-1, -1};
+}
+
+Index flat_triangle(std::span<const Vec3> place, std::span<const Triangle> triangles) {
+  for (std::size_t row = 0; row < triangles.size(); ++row) {
+    const auto& [a, b, c] = triangles[row];
+    const Vec3 along = place[b] - place[a], across = place[c] - place[a];
+    const double longest = std::max({along.squaredNorm(), across.squaredNorm(), (across - along).squaredNorm()});
+    if (!(along.cross(across).norm() > 1e-9 * longest)) return static_cast<Index>(row);
+  }
+  return -1;
 }
 
 ClosestTriangle::ClosestTriangle(std::span<const Vec3> place, std::span<const Triangle> triangles)

@@ -21,7 +21,7 @@ using Triangle = std::array<Index, 3>;
 /// computation using the angle weighted pseudonormal", IEEE Trans. Vis. Comput. Graph. 11 (2005) 243-253).
 class ClosestTriangle {
  public:
-  /// Copies both. The surface must be closed (open_edge), and no triangle without area.
+  /// Copies both. The surface must be closed (open_edge), and no triangle flat (flat_triangle).
   ClosestTriangle(std::span<const Vec3> place, std::span<const Triangle> triangles);
   double signed_distance(const Vec3& x) const;  ///< m, negative inside
 
@@ -46,5 +46,8 @@ class ClosestTriangle {
 /// An edge that two triangles do not share in opposite directions, as its two places; {-1, -1} where the surface is
 /// closed.
 std::array<Index, 2> open_edge(std::span<const Triangle> triangles);
+
+/// The row of a triangle without area up to rounding, so that its normal says nothing; -1: there is none.
+Index flat_triangle(std::span<const Vec3> place, std::span<const Triangle> triangles);
 
 }  // namespace phymul

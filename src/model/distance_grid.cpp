@@ -24,8 +24,8 @@ constexpr int cubes_around = 2;
 
 std::vector<Triangle> triangles_of(const Model& model) {
   std::vector<Triangle> triangles = outward_triangles(model);
-  for (const Triangle& t : triangles) {
-    if (!(model.rest[t[1]] - model.rest[t[0]]).cross(model.rest[t[2]] - model.rest[t[0]]).isZero(0.0)) continue;
+  if (const Index flat = flat_triangle(model.rest, triangles); flat >= 0) {
+    const Triangle& t = triangles[flat];
     refuse("the triangle of particles " + std::to_string(t[0]) + ", " + std::to_string(t[1]) + " and " +
            std::to_string(t[2]) + " has no area");
   }

@@ -234,8 +234,9 @@ double set_material(Model& model, const Material& material, const Contains& cont
       [&](std::size_t row) {
         const Cell& cell = model.cells[row];
         if (!contains(cell_centre(cell, model.rest))) return false;
-        volume += material.thickness > 0.0 ? material.thickness * area_vector(cell.particles, model.rest).norm()
-                                           : signed_measure(model.dimension, cell, model.rest);
+        volume += material.thickness > 0.0
+                      ? cell.share * material.thickness * area_vector(cell.particles, model.rest).norm()
+                      : signed_measure(model.dimension, cell, model.rest);
         return true;
       });
   return volume;

@@ -42,7 +42,8 @@ void require_rows(const Model& model, const char* what, std::size_t size) {
 std::vector<char> without_tissue(const Model& model) {
   std::vector<char> removed(model.rest.size(), 0), solid(model.rest.size(), 0);
   for (const Cell& cell : model.cells) {
-    std::vector<char>* const found = is_solid(model.dimension, cell) ? &solid : cell.share == 0.0 ? &removed : nullptr;
+    const bool stands = is_solid(model.dimension, cell) || is_wall(model, cell);
+    std::vector<char>* const found = stands ? &solid : cell.share == 0.0 ? &removed : nullptr;
     if (found == nullptr) continue;
     for (const Index i : cell.particles) {
       if (i >= 0 && i < model.particle_count()) (*found)[i] = 1;

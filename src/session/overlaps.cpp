@@ -54,12 +54,10 @@ std::vector<BodySurface> surfaces_of_bodies(const ContactSurface& surface, std::
     own.edge = std::max(own.edge, triangle.edge);
     if (!triangle.has_inside) continue;
     own.triangles.push_back(triangle.corner);
-    const auto& [a, b, c] = triangle.corner;
-    const double area = (surface.rest[b] - surface.rest[a]).cross(surface.rest[c] - surface.rest[a]).norm();
-    own.encloses = own.encloses && area > 0.0;
   }
   for (BodySurface& own : bodies) {
-    own.encloses = own.encloses && !own.triangles.empty() && open_edge(own.triangles)[0] < 0;
+    own.encloses =
+        !own.triangles.empty() && flat_triangle(surface.rest, own.triangles) < 0 && open_edge(own.triangles)[0] < 0;
   }
   return bodies;
 }

@@ -305,6 +305,7 @@ TEST(LabelBody, RefusesWhatMakesNoBody) {
   EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{4, "x"}}}), "label 4 (\"x\") in the image, but no"));
   EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{1, "x"}, {1, "y"}}}),
                    "expected each label once, got label 1 for \"x\" and for \"y\""));
+  EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{0, "air"}}}), "expected labels above 0"));
   EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{1, ""}}}), "a name for the region of label 1"));
   EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{1, "surface"}}}), "another name than \"surface\""));
   EXPECT_TRUE(says(filling(image, {.spacing = 0.02, .regions = {{1, "Elements"}}, .most_volume_error = 0.5}),

@@ -145,6 +145,7 @@ TEST(MakeBody, RefusesShellsThatOverlap) {
     return message_of([&] { make_body(surface, {.spacing = 0.003}); });
   };
   EXPECT_TRUE(says(filling(both(left, right)), "shells overlap at (0.098, "));
+  EXPECT_TRUE(refuses([&] { solid_within(both(left, right)); }, "shells overlap at (0.098, "));
   // The triangle that says whether the second lies in the first does lie in it.
   Surface from_end = right;
   std::swap(from_end.triangles[0], from_end.triangles[6]);
@@ -180,6 +181,20 @@ TEST(MakeBody, ASurfaceEntersSolids) {
   EXPECT_NEAR(within.distance({0, 0, 0.01}), -0.04, 2e-3);
   const Surface twice = both(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1, 1, 0}, {2, 2, 1}));
   EXPECT_TRUE(refuses([&] { solid_within(twice); }, "solid_within: shells touch along the edge from (1"));
+}
+
+/// A triangle whose corners lie on one line up to rounding has a normal at random.
+TEST(MakeBody, ASliverEntersNoSolid) {
+  for (int k = 0; k < 30; ++k) {
+    Surface box = box_surface({0, 0, 0}, {0.06, 0.05, 0.04});
+    const auto [a, b, c] = box.triangles[0];
+    const auto middle = static_cast<Index>(box.vertices.size());
+    box.vertices.push_back(box.vertices[a] + 0.37 * (box.vertices[b] - box.vertices[a]));
+    box.triangles[0] = {a, middle, c};
+    box.triangles.insert(box.triangles.end(), {{middle, b, c}, {a, b, middle}});
+    for (Vec3& x : box.vertices) x = Eigen::AngleAxisd(0.1 * k + 0.1, Vec3(1, 2, 3).normalized()) * x;
+    EXPECT_TRUE(refuses([&] { solid_within(box); }, "has no area"));
+  }
 }
 
 TEST(MakeBody, RefusesWhatCannotBeFilled) {

@@ -145,6 +145,20 @@ TEST(MendSurface, SaysWhereItCrossesItself) {
   EXPECT_EQ(refusal(both(box(), box_surface({0.004, 0.02, 0.002}, {0.018, 0.03, 0.008}))), "(no error)");
 }
 
+/// The first triangle of the smaller box lies on the other one.
+TEST(MendSurface, LeavesShellsThatTouchAsTheyAre) {
+  Surface small = box_surface({-0.04, 0.03, 0.03}, {0, 0.07, 0.07});
+  std::rotate(small.triangles.begin(), small.triangles.begin() + 4, small.triangles.end());
+  for (int k = 0; k < 40; ++k) {
+    Surface two = both(box_surface({0, 0, 0}, {0.1, 0.1, 0.1}), small);
+    const Eigen::AngleAxisd turn(0.3 * k, Vec3(1, 2, 3).normalized());
+    for (Vec3& x : two.vertices) x = turn * x;
+    two = mended(two);
+    EXPECT_TRUE(two.notes.empty()) << two.notes.front();
+    EXPECT_NEAR(enclosed_volume(two.triangles, two.vertices), 1e-3 + 6.4e-5, 1e-15);
+  }
+}
+
 TEST(MendSurface, RefusesWhatBoundsNothing) {
   EXPECT_TRUE(says(refusal({}), "expected triangles, got none"));
   Surface nan = box();
@@ -168,6 +182,10 @@ TEST(MendSurface, RefusesWhatBoundsNothing) {
   const Index p = at(0, 0, 0), q = at(1, 1, 0), r = at(1, 1, 1), s = at(0, 0, 1);
   walled.triangles.insert(walled.triangles.end(), {{p, q, r}, {p, r, s}, {q, r, s}, {q, s, p}});
   EXPECT_TRUE(says(refusal(walled), "triangles meet at the edge from"));
+  // Two rooms: 3 triangles at each edge of the wall between them.
+  Surface rooms = both(box_surface({0, 0, 0}, {0.05, 0.05, 0.05}), box_surface({0.05, 0, 0}, {0.1, 0.05, 0.05}));
+  rooms.triangles.erase(rooms.triangles.begin() + 4, rooms.triangles.begin() + 6);
+  EXPECT_TRUE(says(refusal(rooms), "3 triangles meet at the edge from", "remove inner walls"));
 }
 
 TEST(MendSurface, SaysASizeThatIsNoOrgans) {

@@ -191,7 +191,9 @@ TEST(WallBeside, RestStaysAtRestExactlyAndBitsDoNotDependOnThreads) {
 
 TEST(WallBeside, CapsuleHasAThicknessForEachRegionAndOutlivesANewMaterial) {
   Model model = with_material(make_block({block_length, block_side, block_side}, 4, 2, 2), capsule_flesh);
+  model.components.clear();
   EXPECT_EQ(add_capsule(model, capsule_skin), 2 * (2 * 4 + 4 * 8));
+  EXPECT_TRUE(model.components.empty());
   Material thick = capsule_skin;
   thick.thickness = 3e-3;
   set_material(model, thick, [](const Vec3& X) { return X.x() > 0.5 * block_length; });

@@ -137,9 +137,29 @@ TEST(Wall, IsDividedUntilNoSideIsTooLong) {
   const Material material{.young = 1e4, .poisson = 0.4, .density = 1e3, .thickness = 1e-3};
   const Surface coarse = disc_surface(0.1, 2, 0.0);
   EXPECT_EQ(make_wall(coarse, {.material = material}).cells.size(), coarse.triangles.size());
+  Surface noted = coarse;
+  noted.notes = {"surface: of a scan"};
+  EXPECT_EQ(make_wall(noted, {.material = material}).notes, noted.notes);
   const Model fine = make_wall(coarse, {.spacing = 0.02, .material = material});
   EXPECT_EQ(fine.cells.size(), 16 * coarse.triangles.size());
   EXPECT_TRUE(build_topology(fine).options.law == Law::walls);
+}
+
+/// Clamped edges are lines of their own: they are no triangles, which a removed one leaves without any.
+TEST(Wall, ClampsEdgesOfOneTriangle) {
+  Model wall = bowl(false);
+  const int border = clamp_edges(wall, {});
+  EXPECT_EQ(border, 2 * (6 + 5));
+  EXPECT_TRUE(refuses([&] { clamp_edges(wall, {}); }, "there are none"));
+  const std::vector<Index> ends = wall.cells.back().particles;
+  for (Cell& cell : wall.cells) {
+    const auto has = [&](Index end) { return std::ranges::count(cell.particles, end) == 1; };
+    if (cell.type == CellType::triangle && has(ends[0]) && has(ends[1])) cell.share = 0.0;
+  }
+  const int inner = clamp_edges(wall, [](const Vec3&) { return true; });  // of the hole
+  EXPECT_TRUE(inner == 1 || inner == 2) << inner;
+  wall.mass[0] = -1.0;
+  EXPECT_TRUE(refuses([&] { clamp_edges(wall, {}); }, "expected a positive, finite mass"));
 }
 
 TEST(Wall, HasAThicknessForEachGroup) {

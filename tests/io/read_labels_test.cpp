@@ -121,6 +121,15 @@ TEST(ReadLabels, RefusesBadNifti) {
   EXPECT_TRUE(says(changed([](Nifti& f) { f.set<char>(123, 5); }), "got unit 5"));
   EXPECT_TRUE(says(changed([](Nifti& f) { f.sform({1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0}); }), "expected a frame"));
   EXPECT_TRUE(says(changed([](Nifti& f) { f.sform({1, 0, 0, NAN, 0, 1, 0, 0, 0, 0, 1, 0}); }), "expected a frame"));
+  // Of frames by sizes or a quaternion, not by an sform.
+  for (const float size : {0.0f, -2.0f, NAN}) {
+    EXPECT_TRUE(says(changed([&](Nifti& f) { f.set(84, size); }), "bad.nii: expected sizes of voxels above 0, got"));
+    EXPECT_EQ(changed([&](Nifti& f) { f.set(84, size), f.sform({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}); }), "(no error)");
+  }
+  for (const float b : {3.0f, NAN}) {
+    EXPECT_TRUE(says(changed([&](Nifti& f) { f.set<std::int16_t>(252, 1), f.set(256, b); }), "a unit quaternion and"));
+  }
+  EXPECT_TRUE(says(changed([](Nifti& f) { f.set<std::int16_t>(252, 1), f.set(268, NAN); }), "an offset that is not"));
   std::string half = zipped(Nifti().bytes());
   EXPECT_EQ(reading_labels("a.nii.gz", half), "(no error)");
   half.resize(half.size() / 2);
@@ -158,6 +167,14 @@ TEST(ReadLabels, Nrrd) {
   EXPECT_TRUE(says(image.notes[0], "says nothing about its frame"));
   image = read_back("a.nrrd", nrrd(plain + "space dimension: 3\n" + directions + raw));
   EXPECT_TRUE(says(image.notes.at(0), "taken for RAS"));
+  // A name less between two, and no origin.
+  const std::string nowhere = directions.substr(0, directions.find("space origin"));
+  image = read_back("a.nrrd", nrrd(plain + "space: RAS\n" + nowhere + raw +
+                                   "Segment0_Name:=liver\nSegment0_LabelValue:=3\n"
+                                   "Segment12_Name:=tumour\nSegment12_LabelValue:=4\n"));
+  EXPECT_EQ(image.names, (std::map<std::uint16_t, std::string>{{3, "liver"}, {4, "tumour"}}));
+  ASSERT_EQ(image.notes.size(), 1u);
+  EXPECT_TRUE(says(image.notes[0], "taken to begin at 0"));
 }
 
 TEST(ReadLabels, NrrdWithItsVoxelsInAnotherFile) {
@@ -210,6 +227,22 @@ TEST(ReadLabels, RefusesBadNrrd) {
                    "of three dimensions, or a fourth of kind"));
   EXPECT_TRUE(says(with("type: short\ndimension: 3\nsizes: 99999 99999 99999\nendian: little\n"), "2^31 bytes"));
   EXPECT_TRUE(says(with(plain + "space: RAS\nspace directions: (1,0,0) (0,1,0) (1,1,0)\n"), "expected a frame"));
+  EXPECT_TRUE(
+      says(with(plain + "space: RAS\nspace directions: none (0,2,0) (0,0,3)\n"), "of all three axes or of none"));
+  EXPECT_TRUE(says(with(plain + "spacings: nan 2 2\n"), "spacings of all three axes or of none"));
+  for (const std::string kind : {"vector", "list", "time"}) {
+    EXPECT_TRUE(
+        says(with(plain + "kinds: " + kind + " domain space\n"), "three axes of space, got one of kind " + kind));
+  }
+  const std::string four = "type: uchar\ndimension: 3\nsizes: 1 1 4\nencoding: ascii\n";
+  for (const auto& [voxels, text] : {std::pair{"1 2 3 255\n", "(no error)"},
+                                     {"1 301 2 3", "from 0 to 255, got 301 in voxel 1"},
+                                     {"1 -2 2 3", "got -2 in voxel 1"},
+                                     {"1 1.9 2 3", "bad.nrrd:7: expected labels (a whole number), got \"1.9\""},
+                                     {"1 2 3", "got the end of the file"},
+                                     {"1 2 3 4 5", "expected 4 voxels, got more"}}) {
+    EXPECT_TRUE(says(reading_labels("bad.nrrd", nrrd(four, voxels)), text));
+  }
   EXPECT_TRUE(says(with(plain + "space: RAS\nspace units: \"s\" \"s\" \"s\"\n" + directions), "got \"s\""));
   EXPECT_TRUE(says(with(plain, bytes_of(std::vector<std::int16_t>(24, -5))), "got -5 in voxel 0"));
 }
@@ -308,7 +341,7 @@ TEST(LabelFrames, NrrdInLayers) {
   const auto file = [&](const std::string& kind) {
     return nrrd("type: uchar\ndimension: 4\nsizes: 2 4 3 2\nkinds: " + kind +
                     " domain domain domain\nspace: RAS\n"
-                    "space directions: none (1,0,0) (0,2,0) (0,0,3)\n" +
+                    "space directions: none (1,0,0) (0,2,0) (0,0,3)\nspace origin: (0,0,0)\n" +
                     raw +
                     "Segment0_Name:=liver\nSegment0_LabelValue:=1\nSegment0_Layer:=0\n"
                     "Segment1_Name:=tumour\nSegment1_LabelValue:=1\nSegment1_Layer:=1\n"

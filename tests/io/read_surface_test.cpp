@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "model/cell_geometry.h"
 #include "model/enclosed_volume.h"
 #include "support/message_of.h"
 #include "support/text_file.h"
@@ -74,11 +75,51 @@ TEST(ReadSurface, ObjWithRowsThatDoNotExist) {
     text << "mtllib none.mtl\no box\nvn 0 0 1\nusemtl none\ns off\n# C:\\\n";
     for (const auto& t : box().triangles) {
       for (const Index p : t) text << "  v\t" << box().vertices[p].transpose() << '\n';
-      text << "f -3" << rows << " -2" << rows << " \\\n -1" << rows << '\n';  // over two lines
+      text << "f -3" << rows << " -2" << rows << " \\\n -1" << rows << " # its end\n";  // over two lines
     }
     expect_box("box.obj", with_line_ends(text.str(), "\r\n"));
     expect_box("box.obj", text.str());
   }
+}
+
+/// An L of 108 ml, whose six corners do not all see all of it: the same in every order of them.
+TEST(ReadSurface, PolygonsThatAreNotConvex) {
+  const std::string places =
+      "v 0 0 0\nv 100 0 0\nv 100 20 0\nv 20 20 0\nv 20 100 0\nv 0 100 0\n"
+      "v 0 0 30\nv 100 0 30\nv 100 20 30\nv 20 20 30\nv 20 100 30\nv 0 100 30\n";
+  for (int shift = 0; shift < 6; ++shift) {
+    std::string faces, below = "f", above = "f";
+    for (int k = 0; k < 6; ++k) {
+      const int at = (k + shift) % 6, next = (at + 1) % 6;
+      below += ' ' + std::to_string(6 - at);
+      above += ' ' + std::to_string(7 + at);
+      for (const int row : {at + 1, next + 1, next + 7, at + 7})
+        faces += (row == at + 1 ? "\nf " : " ") + std::to_string(row);
+    }
+    const TextFile file("l.obj", places + below + '\n' + above + faces + '\n');
+    const Surface surface = read_surface(file.path(), 1e-3);
+    double area = 0.0;
+    for (const auto& t : surface.triangles) area += area_vector(t, surface.vertices).norm();
+    EXPECT_NEAR(area, 2.0 * 0.0036 + 0.03 * 0.4, 1e-12) << shift;
+    EXPECT_NEAR(enclosed_volume(surface.triangles, surface.vertices), 1.08e-4, 1e-15) << shift;
+  }
+  // A U that no corner sees whole.
+  EXPECT_TRUE(says(reading_surface("u.obj",
+                                   "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 8 9 0\nv 8 1 0\nv 1 1 0\nv 1 9 0\nv 0 9 0\n"
+                                   "f 1 2 3 4 5 6 7 8\n"),
+                   "u.obj:9: expected a face that one of its corners sees whole; triangulate on export"));
+}
+
+TEST(ReadSurface, GltfThatNeedsWhatIsNotRead) {
+  if (!reads_gltf()) GTEST_SKIP() << "phymul was built without Assimp";
+  const auto with = [](std::string json, const std::string& names) {
+    return json.insert(1, "\"extensionsRequired\" : [" + names + "],");
+  };
+  expect_box("box.gltf", with(gltf_text(box()), R"("KHR_materials_unlit", "KHR_texture_transform")"), 1.0);
+  const std::string names = R"("KHR_materials_unlit", "KHR_mesh_quantization")",
+                    wanted = "it needs the glTF extension \"KHR_mesh_quantization\", which is not read";
+  EXPECT_TRUE(says(reading_surface("box.gltf", with(gltf_text(box()), names), 1.0), "box.gltf: " + wanted));
+  EXPECT_TRUE(says(reading_surface("box.glb", glb_of(with(glb_json(), names), "", ""), 1.0), "box.glb: " + wanted));
 }
 
 TEST(ReadSurface, GlbWithChunksThatAreNotFilledUp) {

@@ -76,6 +76,16 @@ TEST(DistanceGrid, WhatIsNotClosedIsRefusedByItsEdge) {
   Model turned = spiked();
   std::swap(turned.cells[0].particles[1], turned.cells[0].particles[2]);
   EXPECT_TRUE(refuses([&] { make_distance_grid(turned, 0.002); }, "not wound one way"));
+  Model sliver = spiked();  // off the line from 0 to 2 by rounding
+  sliver.rest.push_back(0.5 * (sliver.rest[0] + sliver.rest[2]) + Vec3(0, 1e-15, 0));
+  sliver.mass.push_back(1.0);
+  sliver.stiffness.push_back(1.0);
+  for (const auto& [a, b, c] : {Triangle{0, 6, 3}, Triangle{6, 2, 3}, Triangle{0, 2, 6}}) {
+    sliver.cells.push_back({.type = CellType::triangle, .particles = {a, b, c}});
+  }
+  sliver.cells.erase(sliver.cells.begin());
+  sliver.neighbours = neighbours_from_cells(sliver.cells, 7);
+  EXPECT_TRUE(refuses([&] { make_distance_grid(sliver, 0.002); }, "particles 0, 2 and 6 has no area"));
   EXPECT_TRUE(refuses([] { make_distance_grid(spiked(), 1e-6); }, "more than 64 million"));
   EXPECT_TRUE(refuses([] { make_distance_grid(spiked(), -1.0); }, "spacing above 0 m, got -1"));
   EXPECT_TRUE(refuses(

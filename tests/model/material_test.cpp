@@ -52,6 +52,14 @@ TEST(Material, RegionsReachTheirVolume) {
     EXPECT_NEAR(reached, asked, 0.06 * asked);
     EXPECT_LT(whole, 0.8 * asked);
   }
+  // Of cells and of walls as far as they are left.
+  Model capsule = with_material(make_tetrahedral_block({0.04, 0.04, 0.04}, 2, 2, 2, 0.0, 1));
+  const Material skin{.young = 1e4, .poisson = 0.4, .density = 1000.0, .thickness = 1e-3};
+  const auto everywhere = [](const Vec3&) { return true; };
+  add_capsule(capsule, skin);
+  for (Cell& cell : capsule.cells) cell.share = 0.5;
+  EXPECT_NEAR(set_material(capsule, skin, everywhere), 0.5 * 6.0 * 1.6e-6, 1e-15);
+  EXPECT_NEAR(set_material(capsule, soft_tissue(), everywhere), 0.5 * 6.4e-5, 1e-15);
   Model strip = make_strip(0.04, 0.04, 4, 4);
   EXPECT_DOUBLE_EQ(set_material(strip, soft_tissue(), [](const Vec3& at) { return at.x() < 0.02; }), 8e-4);
   EXPECT_EQ(message_of([&] { set_material(strip, soft_tissue(), [](const Vec3&) { return false; }); }),

@@ -4,6 +4,7 @@
 #include <phymul/model.h>
 #include <phymul/shapes.h>
 #include <phymul/state.h>
+#include <phymul/wall.h>
 
 #include <functional>
 #include <limits>
@@ -230,6 +231,17 @@ TEST(Validate, NamesTheFirstOffender) {
     c.spoil(model);
     EXPECT_TRUE(refuses([&] { validate(model); }, c.text));
   }
+}
+
+/// Of two triangles of a wall one is removed.
+TEST(Validate, MassesOfWhatIsLeftOfAWall) {
+  const Surface square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, {}};
+  Model wall = make_wall(square, {.material = {.young = 1e4, .poisson = 0.4, .density = 1e3, .thickness = 1e-3}});
+  wall.cells[0].share = 0.0;
+  wall.mass[1] = 0.0;
+  EXPECT_NO_THROW(validate(wall));
+  wall.mass[0] = 0.0;
+  EXPECT_TRUE(refuses([&] { validate(wall); }, "particle 0: expected a positive, finite mass, got 0 kg"));
 }
 
 TEST(Validate, SpeaksOfFileIndices) {

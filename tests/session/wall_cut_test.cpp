@@ -156,6 +156,9 @@ TEST(WallCut, PartsHaveTheirShareOfStiffness) {
     return Vec3(0.05 * std::sin(X.x() / 0.05), X.y(), 0.05 * (1.0 - std::cos(X.x() / 0.05)));
   };
   EXPECT_NEAR(energy(cut, rolled) / energy(whole, rolled), 1.0, 0.02);
+  // Edges beside the cut are none of the sheet's.
+  Model clamped = cut;
+  EXPECT_EQ(clamp_edges(clamped, {}), 4 * 12 - 2);
 }
 
 /// Two halves of a plate on its hinges are two plates; a slit opens, and its ends stay joined.

@@ -61,21 +61,21 @@ void require_whole_voxels(const std::string& path, std::uint64_t more, NumberTyp
                   " bytes behind those that the header announces; the file is damaged");
 }
 
-void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type, std::uint64_t most) {
+void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type) {
+  constexpr std::uint64_t most = 1032;  // that deflate makes of a byte
   if (count * size_of(type) / most > std::filesystem::file_size(path)) fail_missing_voxels(path, count, type);
 }
 
-std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type,
-                                     bool swap) {
-  ByteSource in(path, {static_cast<const char*>(numbers), count * size_of(type)});
-  in.use_binary(swap);
+std::vector<std::uint16_t> labels_of(const std::string& path, ByteSource& in, std::size_t count, NumberType type) {
+  const std::int64_t most = size_of(type) == 1 ? 255 : 65535;
   std::vector<std::uint16_t> labels(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::int64_t label = in.integer(type, "labels");
     labels[i] = static_cast<std::uint16_t>(label);
-    if (labels[i] == label) continue;
+    if (label >= 0 && label <= most) continue;
     fail_format(path, 0,
-                "expected labels from 0 to 65535, got " + std::to_string(label) + " in voxel " + std::to_string(i));
+                "expected labels from 0 to " + std::to_string(most) + ", got " + std::to_string(label) + " in voxel " +
+                    std::to_string(i));
   }
   return labels;
 }

@@ -70,6 +70,21 @@ void compare_frames(const std::string& path, const nifti_image& file, double uni
   image.notes.push_back(path + ": " + both + "; the sform is used, " + choice);
 }
 
+/// Of a frame by pixdim and quatern: nifticlib takes 1 for what is 0 or no number, and turns what is no turn.
+void require_turn(const std::string& path, const nifti_1_header& header) {
+  for (const int axis : {1, 2, 3}) {
+    if (const float size = header.pixdim[axis]; !(size > 0.0f && std::isfinite(size))) {
+      fail_format(path, 0, "expected sizes of voxels above 0, got " + to_decimal(size) + " (pixdim)");
+    }
+  }
+  const double squares = Vec3(header.quatern_b, header.quatern_c, header.quatern_d).squaredNorm();
+  const bool is_placed = Vec3(header.qoffset_x, header.qoffset_y, header.qoffset_z).allFinite();
+  if (header.qform_code <= 0 || (is_placed && squares <= 1.0 + 1e-4)) return;
+  fail_format(path, 0,
+              "expected a qform of a unit quaternion and a finite offset, got b^2 + c^2 + d^2 = " +
+                  to_decimal(squares) + (is_placed ? "" : " and an offset that is not"));
+}
+
 void set_frame(const std::string& path, const nifti_image& file, double unit, NiftiFrame asked, LabelImage& image) {
   const bool has_sform = file.sform_code > 0, has_qform = file.qform_code > 0;
   if (asked == NiftiFrame::sform && !has_sform) fail_format(path, 0, "expected an sform, got none (sform_code 0)");
@@ -113,7 +128,7 @@ std::vector<std::int64_t> sizes_of(const std::string& path, const nifti_1_header
 std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_header& header, bool is_swapped,
                                        std::size_t count, NumberType type) {
   const std::size_t bytes = count * size_of(type);
-  require_voxel_bytes(path, count, type, most_inflation);
+  require_voxel_bytes(path, count, type);
   const float offset = header.vox_offset;
   if (!(offset >= 348.0f && offset < 0x1p30f)) {
     fail_format(path, 0, "expected voxels behind the header of 348 bytes, got vox_offset " + to_decimal(offset));
@@ -133,7 +148,9 @@ std::vector<std::uint16_t> read_voxels(const std::string& path, const nifti_1_he
     fail_format(path, 0, "expected compressed voxels of another checksum; the file is damaged");
   if (!is_whole) fail_missing_voxels(path, count, type);
   require_whole_voxels(path, more, type);
-  return labels_of(path, voxels.data(), count, type, is_swapped);
+  ByteSource in(path, {voxels.data(), voxels.size()});
+  in.use_binary(is_swapped);
+  return labels_of(path, in, count, type);
 }
 
 bool is_nifti_2(const std::string& path) {
@@ -162,6 +179,7 @@ LabelImage read_nifti(const std::string& path, const LabelFileOptions& options) 
   const std::unique_ptr<nifti_image, void (*)(nifti_image*)> file(nifti_convert_nhdr2nim(*header, path.c_str()),
                                                                   nifti_image_free);
   if (!file) fail_format(path, 0, "expected a header that makes an image of NIfTI-1");
+  if (header->sform_code <= 0 || options.nifti_frame == NiftiFrame::qform) require_turn(path, *header);
   LabelImage image;
   image.size = {static_cast<Index>(sizes[0]), static_cast<Index>(sizes[1]), static_cast<Index>(sizes[2])};
   set_frame(path, *file, unit_of(path, file->xyz_units), options.nifti_frame, image);

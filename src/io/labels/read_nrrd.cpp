@@ -131,6 +131,17 @@ File load(const std::string& path, NrrdIoState* io, bool header_alone) {
   fail_format(path, 0, "expected an image in NRRD, which teem cannot read: " + last);
 }
 
+/// teem makes other numbers of those that do not fit their type, and reads no further than it must.
+std::vector<std::uint16_t> labels_of_text(const std::string& path, std::streamoff start, std::size_t count,
+                                          NumberType type) {
+  const std::string text = read_whole_file(path, std::size_t{1} << 31);
+  ByteSource in(path, text);
+  in.seek(static_cast<std::size_t>(start));
+  std::vector<std::uint16_t> labels = labels_of(path, in, count, type);
+  if (!in.word().empty()) in.fail("expected " + std::to_string(count) + " voxels, got more");
+  return labels;
+}
+
 /// Metres.
 double length_of(const std::string& path, const std::string& unit) {
   static const std::map<std::string, double> known{
@@ -160,19 +171,27 @@ Vec3 turn_to_ras(const std::string& path, const Nrrd& file, LabelImage& image) {
 }
 
 void set_frame(const std::string& path, const Nrrd& file, const std::vector<unsigned>& axes, LabelImage& image) {
-  const bool has_directions = file.spaceDim > 0 && std::isfinite(file.axis[axes[0]].spaceDirection[0]);
+  const auto directed = std::ranges::count_if(
+      axes, [&](unsigned axis) { return file.spaceDim > 0 && std::isfinite(file.axis[axis].spaceDirection[0]); });
+  const bool has_directions = directed == 3;
+  if (directed % 3 != 0) fail_format(path, 0, "expected space directions of all three axes or of none");
   Vec3 units;
-  int missing = 0;
+  int missing = 0, unspaced = 0;
   for (int k = 0; k < 3; ++k) {
     const char* own = has_directions ? file.spaceUnits[k] : file.axis[axes[k]].units;
     missing += !own || !*own;
+    unspaced += !has_directions && !std::isfinite(file.axis[axes[k]].spacing);
     units[k] = length_of(path, own ? own : "");
   }
   if (missing % 3 != 0) fail_format(path, 0, "expected units of length for all axes or for none");
+  if (unspaced % 3 != 0) fail_format(path, 0, "expected spacings of all three axes or of none");
   if (file.spaceDim != 0 && file.spaceDim != 3) {
     fail_format(path, 0, "expected a space of three dimensions, got " + std::to_string(file.spaceDim));
   }
   const Vec3 turn = turn_to_ras(path, file, image);
+  if (file.spaceDim > 0 && !std::isfinite(file.spaceOrigin[0])) {
+    image.notes.push_back(path + ": does not say where it begins (space origin); taken to begin at 0");
+  }
   for (int k = 0; k < 3; ++k) {
     const NrrdAxisInfo& axis = file.axis[axes[k]];
     if (has_directions) {
@@ -189,19 +208,20 @@ using SegmentNames = std::map<std::pair<std::int64_t, std::uint16_t>, std::strin
 
 /// Of 3D Slicer's keys.
 SegmentNames names_of(const Nrrd& file) {
-  const auto value = [&](const std::string& key) {
-    std::unique_ptr<char, void (*)(void*)> text(nrrdKeyValueGet(&file, key.c_str()), std::free);
-    return std::string(text ? text.get() : "");
-  };
+  std::map<std::string, std::string> values;
+  for (unsigned k = 0; k < nrrdKeyValueSize(&file); ++k) values[file.kvp[2 * k]] = file.kvp[2 * k + 1];
   SegmentNames names;
-  for (int segment = 0;; ++segment) {
-    const std::string key = "Segment" + std::to_string(segment) + "_";
-    const std::string name = value(key + "Name");
-    if (name.empty()) return names;
-    const std::optional<std::int64_t> label = parse_integer(value(key + "LabelValue"));
+  for (const auto& [key, name] : values) {
+    if (!key.starts_with("Segment") || !key.ends_with("_Name") || name.empty()) continue;
+    const auto number = [&, segment = key.substr(0, key.size() - 4)](const char* what) {
+      const auto found = values.find(segment + what);
+      return parse_integer(found != values.end() ? found->second : "");
+    };
+    const std::optional<std::int64_t> label = number("LabelValue");
     if (!label || *label <= 0 || *label > 65535) continue;
-    names[{parse_integer(value(key + "Layer")).value_or(0), static_cast<std::uint16_t>(*label)}] = name;
+    names[{number("Layer").value_or(0), static_cast<std::uint16_t>(*label)}] = name;
   }
+  return names;
 }
 
 /// Makes one label a voxel of image.label, which has one a voxel and layer; `below`: numbers between those of two
@@ -269,10 +289,15 @@ LabelImage read_nrrd(const std::string& path) {
                 "expected an image of three dimensions, or a fourth of kind \"list\" for layers of segments, got " +
                     std::to_string(header->dim) + "; save one label image of it");
   }
+  for (const unsigned axis : axes) {
+    const int kind = header->axis[axis].kind;
+    if (kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace) continue;
+    fail_format(path, 0, std::string("expected three axes of space, got one of kind ") + airEnumStr(nrrdKind, kind));
+  }
   const std::size_t count = voxel_count(path, sizes, type);
   const bool elsewhere = of_header->dataFNFormat != nullptr || of_header->dataFNArr->len > 0;
   // bzip2 makes gigabytes of some hundred bytes.
-  if (!elsewhere && of_header->encoding != nrrdEncodingBzip2) require_voxel_bytes(path, count, type, most_inflation);
+  if (!elsewhere && of_header->encoding != nrrdEncodingBzip2) require_voxel_bytes(path, count, type);
   const bool is_at_start = !elsewhere && of_header->lineSkip == 0 && of_header->byteSkip == 0;
   if (is_at_start && of_header->encoding == nrrdEncodingGzip) require_checksum(path, start);
   if (is_at_start && of_header->encoding == nrrdEncodingRaw) {
@@ -280,12 +305,19 @@ LabelImage read_nrrd(const std::string& path) {
     require_whole_voxels(path, std::max<std::uint64_t>(std::filesystem::file_size(path), all) - all, type);
   }
 
-  const File file = load(path, make_reading().get(), false);
   LabelImage image;
   for (int k = 0; k < 3; ++k) image.size[k] = static_cast<Index>(sizes[axes[k]]);
-  image.label = labels_of(path, file->data, count, type);
-  set_frame(path, *file, axes, image);
-  const SegmentNames names = names_of(*file);
+  if (of_header->encoding == nrrdEncodingAscii) {
+    if (!is_at_start) fail_format(path, 0, "expected ascii right behind the header; save it with encoding raw or gzip");
+    image.label = labels_of_text(path, start, count, type);
+  } else {
+    const File file = load(path, make_reading().get(), false);
+    ByteSource in(path, {static_cast<const char*>(file->data), count * size_of(type)});
+    in.use_binary(false);
+    image.label = labels_of(path, in, count, type);
+  }
+  set_frame(path, *header, axes, image);
+  const SegmentNames names = names_of(*header);
   if (layers) {
     const auto below = std::accumulate(sizes.begin(), sizes.begin() + *layers, std::int64_t{1}, std::multiplies<>());
     merge_layers(path, names, static_cast<std::size_t>(sizes[*layers]), static_cast<std::size_t>(below), image);

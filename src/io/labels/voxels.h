@@ -32,16 +32,11 @@ std::size_t voxel_count(const std::string& path, const std::vector<std::int64_t>
 /// Throws Error where the bytes behind the voxels hold a part of one: some were added or lost.
 void require_whole_voxels(const std::string& path, std::uint64_t more, NumberType type);
 
-/// Throws it where a file cannot hold so many bytes of voxels, however well compressed: `most` is the most that its
-/// compression makes of a byte.
-void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type, std::uint64_t most);
+/// Throws it where a file cannot hold so many bytes of voxels, however well deflated.
+void require_voxel_bytes(const std::string& path, std::size_t count, NumberType type);
 
-/// The most that deflate makes of a byte.
-inline constexpr std::uint64_t most_inflation = 1032;
-
-/// The numbers as labels; `swap`: of the other byte order. Throws Error for one that is not from 0 to 65,535.
-std::vector<std::uint16_t> labels_of(const std::string& path, const void* numbers, std::size_t count, NumberType type,
-                                     bool swap = false);
+/// The next numbers as labels. Throws Error for one that is not from 0 to 65,535, or to 255 where it has 8 bits.
+std::vector<std::uint16_t> labels_of(const std::string& path, ByteSource& in, std::size_t count, NumberType type);
 
 /// Throws Error unless the steps are finite and span space.
 void require_frame(const std::string& path, const LabelImage& image);

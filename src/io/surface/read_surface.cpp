@@ -57,6 +57,23 @@ std::string mended_glb(const std::string& path) {
   return "glTF" + word_of(2) + word_of(12 + chunks.size()) + chunks;
 }
 
+/// Assimp passes over extensions that it does not know, and reads places as if these were not there. What it cannot
+/// read of Draco it refuses.
+void require_extensions(const std::string& path, std::string_view json) {
+  const std::size_t begin = json.find("\"extensionsRequired\"");
+  if (begin == json.npos) return;
+  std::string_view names = json.substr(begin + 20);
+  names = names.substr(0, names.find(']'));
+  for (std::size_t open = names.find('"'); open != names.npos; open = names.find('"')) {
+    names.remove_prefix(open + 1);
+    const std::string name(names.substr(0, names.find('"')));
+    names.remove_prefix(std::min(name.size() + 1, names.size()));
+    const auto has = [&](const char* part) { return name.find(part) != name.npos; };
+    if (has("_materials_") || has("_texture_") || has("_lights_") || name == "KHR_draco_mesh_compression") continue;
+    fail_format(path, 0, "it needs the glTF extension " + cited(name) + ", which is not read; export it without");
+  }
+}
+
 /// Adds the meshes of a node and of those below it.
 void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& around, Surface& surface) {
   const aiMatrix4x4 place = around * node.mTransformation;
@@ -84,7 +101,8 @@ Surface read_gltf(const std::string& path) {
   Assimp::Importer importer;
   // None of its later treatments: they stop the program where they meet what they do not expect.
   const std::string ending = file_ending(path);
-  const std::string bytes = ending == ".glb" ? mended_glb(path) : "";
+  const std::string bytes = ending == ".glb" ? mended_glb(path) : read_whole_file(path, most_bytes);
+  require_extensions(path, bytes);
   const aiScene* scene =
       ending == ".glb" ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, "glb") : importer.ReadFile(path, 0);
   if (!scene || !scene->mRootNode) {

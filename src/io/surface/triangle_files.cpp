@@ -3,6 +3,7 @@
 
 #include <phymul/error.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <optional>
@@ -17,7 +18,29 @@ namespace {
 
 constexpr bool is_big = std::endian::native == std::endian::big;
 
-/// As a fan from the first corner. Corners are rows of vertices that were read before.
+/// The place among the corners of the first whose fan folds back nowhere, up to rounding of coordinates; their number:
+/// there is none.
+std::size_t fan_corner(const std::vector<std::int64_t>& corners, const VecList& vertices) {
+  const std::size_t count = corners.size();
+  const auto at = [&](std::size_t k) -> const Vec3& { return vertices[corners[k % count]]; };
+  const auto area = [&](std::size_t first, std::size_t k) {  // twice that of a triangle
+    return Vec3((at(first + k - 1) - at(first)).cross(at(first + k) - at(first)));
+  };
+  Vec3 all = Vec3::Zero();
+  double longest = 0.0;  // squared
+  for (std::size_t k = 1; k < count; ++k) {
+    all += area(0, k);
+    longest = std::max(longest, (at(k) - at(0)).squaredNorm());
+  }
+  for (std::size_t first = 0; first < count; ++first) {
+    std::size_t k = 2;
+    while (k < count && !(area(first, k).dot(all) < -1e-5 * longest * all.norm())) ++k;
+    if (k >= count) return first;
+  }
+  return count;
+}
+
+/// As a fan from a corner that sees all others. Corners are rows of vertices that were read before.
 void add_polygon(const ByteSource& in, const std::vector<std::int64_t>& corners, Surface& surface) {
   if (corners.size() < 3) in.fail("expected a face of 3 or more corners, got " + std::to_string(corners.size()));
   for (const std::int64_t corner : corners) {
@@ -25,10 +48,10 @@ void add_polygon(const ByteSource& in, const std::vector<std::int64_t>& corners,
     in.fail("expected corners among the " + std::to_string(surface.vertices.size()) +
             " vertices before it, got another; the file is damaged: export it again");
   }
-  for (std::size_t k = 2; k < corners.size(); ++k) {
-    surface.triangles.push_back(
-        {static_cast<Index>(corners[0]), static_cast<Index>(corners[k - 1]), static_cast<Index>(corners[k])});
-  }
+  const std::size_t first = fan_corner(corners, surface.vertices);
+  if (first == corners.size()) in.fail("expected a face that one of its corners sees whole; triangulate on export");
+  const auto row = [&](std::size_t k) { return static_cast<Index>(corners[(first + k) % corners.size()]); };
+  for (std::size_t k = 2; k < corners.size(); ++k) surface.triangles.push_back({row(0), row(k - 1), row(k)});
 }
 
 void add_corner(const Vec3& place, Surface& surface) {
@@ -217,10 +240,13 @@ Surface read_stl(const std::string& path, std::string_view bytes) {
 Surface read_obj(const std::string& path, std::string_view bytes) {
   Surface surface;
   ByteSource in(path, bytes);
+  const auto next = [&] {
+    const std::string_view text = in.line();
+    return text.substr(0, text.find('#'));
+  };
   while (in.remaining() > 0) {
-    std::string line(in.line());
-    line.resize(std::min(line.find('#'), line.size()));
-    while (line.ends_with('\\')) line.back() = ' ', line += in.line();
+    std::string line(next());
+    while (line.ends_with('\\')) line.back() = ' ', line += next();
     const auto words = words_of(line);
     if (words.empty() || (words[0] != "v" && words[0] != "f")) continue;
     std::vector<std::int64_t> corners;
