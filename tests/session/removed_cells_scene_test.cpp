@@ -88,7 +88,7 @@ TEST_P(RemovedCellsOn, LetToolsDoWhatTheyWereAskedBefore) {
   }
 }
 
-/// Of what is left a cut makes as much, with the motion that it had.
+/// A cut leaves the mass, save what light particles beside both need so as not to vibrate faster.
 TEST(RemovedCells, AreNotBroughtBackByACut) {
   Simulation sim(with_spare_particles(slab(), 400), options_for("reference"));
   std::mt19937 bits(1);
@@ -100,7 +100,7 @@ TEST(RemovedCells, AreNotBroughtBackByACut) {
   const auto mass = [&] { return std::accumulate(sim.model().mass.begin(), sim.model().mass.end(), 0.0); };
   const double before = mass();
   ASSERT_TRUE(sim.cut(cut_plane({0.031, 0.0, 0.0}, {1.0, 0.2, 0.1})));
-  EXPECT_NEAR(mass(), before, 0.01 * before);
+  EXPECT_NEAR(mass(), before, 0.02 * before);
 }
 
 TEST(RemovedCells, ArePickedWhereTheyAreNow) {
