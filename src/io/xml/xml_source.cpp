@@ -25,22 +25,41 @@ bool declares_latin1(std::string_view text) {
          (head.find("iso-8859-1") != std::string::npos || head.find("latin1") != std::string::npos);
 }
 
-std::string latin1_to_utf8(std::string_view text) {
+/// Bytes of the character that a text begins with, if it is one of UTF-8 beyond ASCII; else 0.
+std::size_t utf8_size(std::string_view text) {
+  const auto at = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0; };
+  const int lead = at(0), second = at(1);
+  const std::size_t size = lead < 0xC2 || lead > 0xF4 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+  for (std::size_t k = 1; k < size; ++k) {
+    if ((at(k) & 0xC0) != 0x80) return 0;
+  }
+  const bool too_long = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
+  const bool no_character = (lead == 0xED && second >= 0xA0) || (lead == 0xF4 && second >= 0x90);
+  return too_long || no_character ? 0 : size;
+}
+
+}  // namespace
+
+std::string as_utf8(std::string text, bool is_latin1) {
+  const auto is_ascii = [](char c) { return static_cast<unsigned char>(c) < 0x80; };
+  if (std::ranges::all_of(text, is_ascii)) return text;
   std::string utf8;
   utf8.reserve(text.size() + text.size() / 8);
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (code < 0x80) {
-      utf8 += c;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::size_t size = is_latin1 ? 0 : utf8_size(std::string_view(text).substr(i));
+    if (size > 0) {
+      utf8.append(text, i, size);
+      i += size - 1;
+    } else if (is_ascii(text[i])) {
+      utf8 += text[i];
     } else {
+      const auto code = static_cast<unsigned char>(text[i]);
       utf8 += static_cast<char>(0xC0 | (code >> 6));
       utf8 += static_cast<char>(0x80 | (code & 0x3F));
     }
   }
   return utf8;
 }
-
-}  // namespace
 
 std::string_view repeated_attribute(pugi::xml_node node) {
   for (const pugi::xml_attribute attribute : node.attributes()) {
@@ -52,7 +71,8 @@ std::string_view repeated_attribute(pugi::xml_node node) {
 
 XmlSource::XmlSource(std::string text, std::string name, bool instructions)
     : name_(std::move(name)), text_(std::move(text)), document_(std::make_unique<pugi::xml_document>()) {
-  if (declares_latin1(text_)) text_ = latin1_to_utf8(text_);
+  const bool is_latin1 = declares_latin1(text_);
+  text_ = as_utf8(std::move(text_), is_latin1);
   const auto lines = static_cast<std::size_t>(std::count(text_.begin(), text_.end(), '\n'));
   line_end_.reserve(lines);
   for (std::size_t at = text_.find('\n'); at != std::string::npos; at = text_.find('\n', at + 1)) {

@@ -20,6 +20,9 @@ class xml_node;
 
 namespace phymul {
 
+/// The text with bytes that are no UTF-8 as letters of Latin-1; all that are not ASCII if it is Latin-1 throughout.
+std::string as_utf8(std::string text, bool is_latin1 = false);
+
 /// Name of an attribute that this element has twice, which the parser lets pass; empty if none.
 std::string_view repeated_attribute(pugi::xml_node node);
 

@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "base/decimal.h"
+#include "xml_source.h"
 
 namespace phymul {
 namespace {
@@ -23,32 +24,12 @@ bool is_name(std::string_view name) {
   });
 }
 
-/// Bytes of the character that a text begins with, if it is one of UTF-8 beyond ASCII; else 0.
-std::size_t utf8_size(std::string_view text) {
-  const auto at = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0; };
-  const int lead = at(0), second = at(1);
-  const std::size_t size = lead < 0xC2 || lead > 0xF4 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-  for (std::size_t k = 1; k < size; ++k) {
-    if ((at(k) & 0xC0) != 0x80) return 0;
-  }
-  const bool too_long = (lead == 0xE0 && second < 0xA0) || (lead == 0xF0 && second < 0x90);
-  const bool no_character = (lead == 0xED && second >= 0xA0) || (lead == 0xF4 && second >= 0x90);
-  return too_long || no_character ? 0 : size;
-}
-
 }  // namespace
 
 void append_xml_text(std::string& out, std::string_view text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
+  for (const char c : as_utf8(std::string(text))) {
     const auto code = static_cast<unsigned char>(c);
-    if (const std::size_t size = utf8_size(text.substr(i)); size > 0) {
-      out += text.substr(i, size);
-      i += size - 1;
-    } else if (code >= 0x80) {  // as Latin-1, which the reader takes it for, too
-      out += static_cast<char>(0xC0 | (code >> 6));
-      out += static_cast<char>(0x80 | (code & 0x3F));
-    } else if (c == '&') {
+    if (c == '&') {
       out += "&amp;";
     } else if (c == '<') {
       out += "&lt;";
