@@ -109,7 +109,7 @@ bool MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once
     motion.done = 0;
   }
   if (report.grasps == wanted.grasps) return moves;
-  releases = wanted.released > report.grasps;
+  releases = releases || wanted.released > report.grasps;  // a step that failed has not done it
   grasps = wanted.grasping;
   report.grasps = wanted.grasps;
   grasp_distance = wanted.grasp_distance;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
 
 #include "base/decimal.h"
 #include "load_types.h"
@@ -285,26 +286,35 @@ Scene& Scene::clear() {
   return *this;
 }
 
-/// What is imposed on a particle, an acceleration and a pressure are on all of its tissue; a force stays at the
-/// particle.
+/// What is imposed on a particle, an acceleration and a pressure are on all of its tissue. A force stays at the
+/// particle, also while this is no copy, but not where it becomes one of another. Copies that were undone follow the
+/// others in copies_, with -2 less what they copied.
 void Scene::follow_copies(const BodyCuts& cuts) {
   std::vector<BodyCut::Copy> now;
   for (const auto& cut : cuts) now.insert(now.end(), cut->copies.begin(), cut->copies.end());
-  const auto stays = std::ranges::mismatch(copies_, now);
+  const auto undone = std::ranges::find_if(copies_, [](const BodyCut::Copy& copy) { return copy.of < 0; });
+  const auto stays = std::mismatch(copies_.begin(), undone, now.begin(), now.end());
+  std::map<Index, Index> were;  // what particles copied that are no copies any more
+  for (auto old = stays.first; old != copies_.end(); ++old) were[old->particle] = old->of < 0 ? -2 - old->of : old->of;
   for (std::size_t row = 0; row < loads_.size(); ++row) {
-    if (loads_[row].type == LoadType::force) continue;
+    const bool on_all = loads_[row].type != LoadType::force;
     std::vector<Index>& particles = loads_[row].particles;
     const std::size_t before = particles.size();
-    for (auto old = stays.in1; old != copies_.end(); ++old) std::erase(particles, old->particle);
+    for (auto old = stays.first; on_all && old != undone; ++old) std::erase(particles, old->particle);
     bool changed = particles.size() != before;
-    for (auto added = stays.in2; added != now.end(); ++added) {
-      if (std::ranges::find(particles, added->of) == particles.end()) continue;
+    for (auto added = stays.second; added != now.end(); ++added) {
+      const auto was = were.find(added->particle);
+      const bool is_another = was != were.end() && was->second != added->of;
+      if (!on_all && is_another) changed = std::erase(particles, added->particle) > 0 || changed;
+      if (!on_all || std::ranges::find(particles, added->of) == particles.end()) continue;
       particles.push_back(added->particle);
       changed = true;
     }
     if (changed) actions_[row] = prepared(loads_[row]);
   }
+  for (const BodyCut::Copy& copy : now) were.erase(copy.particle);
   copies_ = std::move(now);
+  for (const auto& [particle, of] : were) copies_.push_back({particle, -2 - of});
 }
 
 void Scene::body_changed(const BodyCuts& cuts) {

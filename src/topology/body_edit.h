@@ -96,7 +96,7 @@ class BodyEdit {
   std::vector<double> modulus_;                 // [D] Pa
   std::vector<double> rate_;                    // [N] 1/s^2, own_stiffness() over the mass
   double spacing_ = 0.0, longest_edge_ = 0.0;   // m
-  bool only_tetrahedra_ = true;                 // are its tissue
+  bool few_set_the_rate_ = false;               // a tenth of the particles, or less
   double largest_rate_ = 0.0;                   // of these, at the beginning
   std::vector<Room> room_, surface_room_;       // [D]
   std::vector<CellPoint> points_;               // of the cell at hand

@@ -62,6 +62,16 @@ TEST_P(ToolHold, IsTakenAnewAfterAReleaseInTheSameStep) {
   jaw.release();
   jaw.grasp(near);
   EXPECT_EQ(held_after_a_step("jaw"), face);
+  // Also where the step of the release fails.
+  jaw.grasp(1.0);
+  EXPECT_EQ(held_after_a_step("jaw"), model_.particle_count());
+  jaw.release();
+  scene_.add(
+      {.type = LoadType::force, .particles = model_.group("z1"), .events = {{-1.0, 1e30}}, .direction = {1, 0, 0}});
+  EXPECT_FALSE(solver_->step(1, dt_).ok());
+  scene_.remove(0);
+  jaw.grasp(near);
+  EXPECT_EQ(held_after_a_step("jaw"), face);
 }
 
 TEST_P(ToolHold, AskedForBeforeTheSolverWasThereIsTaken) {

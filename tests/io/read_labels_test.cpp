@@ -235,7 +235,7 @@ TEST(ReadLabels, RefusesBadNrrd) {
         says(with(plain + "kinds: " + kind + " domain space\n"), "three axes of space, got one of kind " + kind));
   }
   const std::string four = "type: uchar\ndimension: 3\nsizes: 1 1 4\nencoding: ascii\n";
-  for (const auto& [voxels, text] : {std::pair{"1 2 3 255\n", "(no error)"},
+  for (const auto& [voxels, text] : {std::pair{"1, 2,3 255\n", "(no error)"},
                                      {"1 301 2 3", "from 0 to 255, got 301 in voxel 1"},
                                      {"1 -2 2 3", "got -2 in voxel 1"},
                                      {"1 1.9 2 3", "bad.nrrd:7: expected labels (a whole number), got \"1.9\""},

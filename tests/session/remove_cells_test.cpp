@@ -202,12 +202,16 @@ TEST(RemoveCells, KeepTheStepBelowItsLimit) {
   }
 }
 
-/// Where one light particle sets the step of the whole body, and in the plane.
+/// Where a few light particles set the step of the whole body, of unlike materials, in the plane and in organs.
 TEST(RemoveCells, OfUnlikeRatesKeepTheStepBelowItsLimit) {
-  Model light = make_tetrahedral_block({0.05, 0.05, 0.05}, 4, 4, 4, 0.3, 5), plane = make_strip(0.05, 0.05, 6, 6, true);
+  Model two = make_tetrahedral_block({0.05, 0.05, 0.05}, 4, 4, 4, 0.3, 5), light = two,
+        plane = make_strip(0.05, 0.05, 6, 6, true),
+        organ = make_body(solid_ellipsoid({0, 0, 0}, {0.04, 0.03, 0.02}), {.spacing = 0.008});
   light.most_mass_moved = 0.0;
-  for (Model* model : {&light, &plane}) {
+  for (Model* model : {&two, &light, &plane, &organ}) {
     set_material(*model, {3e3, 0.45, 1000.0});
+    if (model == &two) set_material(two, {3e5, 0.3, 1000.0}, [](const Vec3& x) { return x.x() > 0.03; });
+    model->most_mass_moved = 0.03;  // as of a body that was read from a file with masses of its own
     const auto count = static_cast<Index>(model->cells.size());
     for (int way = 0; way < 20; ++way) {
       Simulation sim(*model, {});
@@ -219,7 +223,7 @@ TEST(RemoveCells, OfUnlikeRatesKeepTheStepBelowItsLimit) {
       std::ranges::shuffle(rows, bits);
       rows.resize(rows.size() * static_cast<std::size_t>(1 + way % 9) / 10);
       sim.remove_cells(rows);
-      EXPECT_LE(estimate_spectrum(now, now.rest).largest, 1.01 * now.stiffened * before) << way;
+      EXPECT_LE(estimate_spectrum(now, now.rest).largest, now.stiffened * before) << way;
     }
   }
 }

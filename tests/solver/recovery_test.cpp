@@ -97,7 +97,6 @@ TEST(Recovery, WithoutTheCutMostFailureStatesRunAway) {
   EXPECT_GE(lost, failure_states().size() / 2);
 }
 
-/// A twentieth of strain let go at once, and sheared at five times a second, is no failure.
 /// A grasp pulls farther than numbers reach, in a body that is computed in substeps. What it pushed with is forgotten.
 TEST(Recovery, AFailedStepLeavesNoPush) {
   for (const char* backend : {"reference", "cpu"}) {
@@ -121,6 +120,7 @@ TEST(Recovery, AFailedStepLeavesNoPush) {
   }
 }
 
+/// A twentieth of strain let go at once, and sheared at five times a second, is no failure.
 TEST(Recovery, OrdinaryMotionIsNotCut) {
   const Model model = cube(0.3);
   Scene scene = Scene(model).fix("x0");

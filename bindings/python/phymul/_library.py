@@ -287,7 +287,7 @@ def cut_along(function: Any, body: int, point: Any, normal: Any, front: Any, out
     """Calls a function of a body, a plane, that of a front or none, and a place for the result."""
     if front is not None and len(front) != 2:
         raise Error(f"front: expected a point and a normal, got {front!r:.200}")
-    planes = [floats(value, (3,), "a point or normal") for value in (point, normal, *(front or ()))]
+    planes = [floats(value, (3,), "a point or normal") for value in (point, normal, *(() if front is None else front))]
     function(body, *(value.ctypes.data for value in planes), *[None] * (4 - len(planes)), out)
 
 

@@ -271,9 +271,15 @@ class Simulation(Scene):
 
     def replay(self, path: Path) -> None:
         """Clears the scene and repeats a recording. Loads, tools and joints from before are gone."""
+        unread = (ErrorCode.FILE_ACCESS, ErrorCode.FILE_FORMAT)  # before the scene is cleared
+        try:
+            library.phymul_replay(self._pointer, path_of(path))
+        except Error as error:
+            self._replays += error.code not in unread
+            raise
+        finally:
+            self._body = None
         self._replays += 1
-        library.phymul_replay(self._pointer, path_of(path))
-        self._body = None
 
     def write_vtu(self, path: Path) -> None:
         """For ParaView."""

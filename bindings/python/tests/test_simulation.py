@@ -257,6 +257,8 @@ class States(Refusals):
             sim.save_recording(pathlib.Path(folder) / "run")
             again = block()
             push = again.add_load("force", "z1", (0, 0, 1), 1.0)
+            self.refused(ErrorCode.FILE_ACCESS, "none", again.replay, pathlib.Path(folder) / "none")
+            push.set(2.0)  # the scene is as it was
             again.replay(pathlib.Path(folder) / "run")
             self.refused(ErrorCode.UNKNOWN_NAME, "load is gone", push.set, 0.0)
         np.testing.assert_array_equal(again.positions, there)

@@ -134,7 +134,8 @@ File load(const std::string& path, NrrdIoState* io, bool header_alone) {
 /// teem makes other numbers of those that do not fit their type, and reads no further than it must.
 std::vector<std::uint16_t> labels_of_text(const std::string& path, std::streamoff start, std::size_t count,
                                           NumberType type) {
-  const std::string text = read_whole_file(path, std::size_t{1} << 31);
+  std::string text = read_whole_file(path, std::size_t{1} << 31);
+  std::ranges::replace(text, ',', ' ');  // which teem takes for one, too
   ByteSource in(path, text);
   in.seek(static_cast<std::size_t>(start));
   std::vector<std::uint16_t> labels = labels_of(path, in, count, type);
