@@ -4,6 +4,7 @@
 
 uniform float friction, inverse_dt;
 uniform float parted_share, largest_parting;  // of an overlap; of an edge
+uniform float least_mobility;                 // of ContactSurface
 
 struct Meeting {  // of a particle and the corners of a triangle
   mat4x3 v, open;  // m/s; 1 along axes that take pushes
@@ -43,7 +44,8 @@ void give(inout Meeting m, vec3 impulse) {
 // `done`: N s so far, across the normal and along it. False where nothing changes.
 bool push_apart(inout Meeting m, vec3 normal, float gap, inout vec4 done) {
   float along_normal = mobility(m, normal);
-  if (along_normal == 0.0) return false;
+  vec4 unbound = m.weight * m.weight * m.ease;
+  if (along_normal <= least_mobility * (unbound.x + unbound.y + unbound.z + unbound.w)) return false;
   float lacking = -max(gap, 0.0) * inverse_dt - inner_product(normal, relative(m));
   float pressed = max(done.w + lacking / along_normal, 0.0);
   if (pressed == 0.0 && done == vec4(0.0)) return false;

@@ -10,6 +10,10 @@ float eased_at(int k, float share, vec3 normal) {
   return eased(float_row(surface_velocity_place + k).w, float_row(surface_moved_place + k).w, share, normal);
 }
 
+float unbound_at(int k, float share) {
+  return share * share * float_row(surface_moved_place + k).w;
+}
+
 // Of corner j of a contact (0: its particle), m.
 vec3 parted(int at, int j, float own_ease) {
   vec4 nearest = float_row(at + 1);
@@ -18,7 +22,9 @@ vec3 parted(int at, int j, float own_ease) {
   vec4 normal = float_row(at + 2);
   float together = eased_at(who.x, 1.0, normal.xyz) + eased_at(who.y, nearest.x, normal.xyz) +
                    eased_at(who.z, nearest.y, normal.xyz) + eased_at(who.w, nearest.z, normal.xyz);
-  if (together == 0.0) return vec3(0.0);
+  float unbound = unbound_at(who.x, 1.0) + unbound_at(who.y, nearest.x) + unbound_at(who.z, nearest.y) +
+                  unbound_at(who.w, nearest.z);
+  if (together <= least_mobility * unbound) return vec3(0.0);
   float way = parting(nearest.w, normal.w, together);
   float share = j == 0 ? 1.0 : j == 1 ? -nearest.x : j == 2 ? -nearest.y : -nearest.z;
   return way * share * own_ease * normal.xyz;

@@ -4,13 +4,16 @@
 #include <phymul/distance_grid.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "interaction/distance_to_shape.h"
+#include "interaction/tool_frame.h"
 #include "interaction/tool_shape.h"
 
 namespace phymul {
 
 void FloatTools::follow(const Scene& scene) {
+  before_hold_.clear();
   std::vector<Moving> now;
   for (const SceneTool& tool : scene.tools()) {
     const auto known = std::ranges::find(tools_, tool.id, [](const Moving& moving) { return moving.moved.id; });
@@ -77,6 +80,7 @@ void FloatTools::set_moved(std::size_t row, const MovedTool& moved) {
 }
 
 void FloatTools::reset(const Scene& scene, const State& state) {
+  before_hold_.clear();
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     tools_[row].moved.reset(scene.tools()[row], state, mass_, !was_reset_);
   }
@@ -106,7 +110,15 @@ bool FloatTools::held_by_any(Index particle) const {
                              [&](const Moving& tool) { return std::ranges::count(tool.moved.held, particle) > 0; });
 }
 
+bool FloatTools::undo_hold() {
+  if (before_hold_.empty()) return false;
+  tools_ = std::exchange(before_hold_, {});
+  fill_held();
+  return true;
+}
+
 void FloatTools::hold(const VecList& position, std::span<const std::uint8_t> fixed, bool plane) {
+  before_hold_ = tools_;
   for (Moving& tool : tools_) {
     if (tool.moved.releases) tool.moved.release();
   }
@@ -137,23 +149,27 @@ void FloatTools::fill_frame(const ToolMotion& motion, Float4* rows) const {
   rows[3] = {low[0], low[1], low[2], motion.placed ? 1.0f : 0.0f};
 }
 
-void FloatTools::begin_batch(int steps, double dt) {
+int FloatTools::begin_batch(int steps, double dt) {
+  int finite = steps;
   motions_.clear();
   for (const Moving& tool : tools_) motions_.push_back(tool.moved.motion);
   Float4* rows = frames_.data();
   for (int step = 0; step <= steps; ++step) {
     for (ToolMotion& motion : motions_) {
       motion.advance(dt);
+      if (!is_finite(motion.next_pose)) finite = std::min(finite, step);
       fill_frame(motion, rows);
       rows += frame_rows;
       motion.accept();
     }
   }
   frames_filled_ = static_cast<std::size_t>(rows - frames_.data());
+  return finite;
 }
 
 void FloatTools::accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
                         std::span<const JointSet::Pull> pull_sums) {
+  before_hold_.clear();
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     MovedTool& tool = tools_[row].moved;
     for (int step = 0; step < steps; ++step) {

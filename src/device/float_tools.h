@@ -54,9 +54,11 @@ class FloatTools {
   bool grasps() const;  ///< hold() needs positions
   /// `fixed`: LoadFrame::fixed, or empty; `plane`: nothing moves along z.
   void hold(const VecList& position, std::span<const std::uint8_t> fixed, bool plane);
+  /// No step was done since hold(): what it changed is to be done in the next call. False: it changed nothing.
+  bool undo_hold();
 
-  /// Fills frames() for steps from here on.
-  void begin_batch(int steps, double dt);
+  /// Fills frames() for steps from here on. How many of them leave all poses finite.
+  int begin_batch(int steps, double dt);
   /// So many steps of the batch count; `sums` are of those. By tool, what joints did in the last one and summed.
   void accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
               std::span<const JointSet::Pull> pull_sums);
@@ -88,10 +90,10 @@ class FloatTools {
   bool held_by_any(Index particle) const;
 
   std::size_t most_steps_;
-  std::vector<Moving> tools_;
-  std::span<const double> mass_;     // kg, the model's
-  std::vector<ToolMotion> motions_;  // of a batch ahead
-  Vec3 middle_{0, 0, 0};             // m
+  std::vector<Moving> tools_, before_hold_;  // the latter until a step counts
+  std::span<const double> mass_;             // kg, the model's
+  std::vector<ToolMotion> motions_;          // of a batch ahead
+  Vec3 middle_{0, 0, 0};                     // m
   std::vector<Float4> laws_, frames_, rest_, held_;
   std::size_t frames_filled_ = 0;
   std::vector<float> grid_values_;

@@ -21,10 +21,6 @@ double inverse_mass(const TouchedParticles::Touched& particle, const Vec3& along
   return particle.inverse_mass * share;
 }
 
-/// Least mobility over that without imposed and held coordinates. Below it the free motion is nearly along the surface:
-/// a particle would be thrown far aside to make little room.
-constexpr double least_mobility = 1e-4;
-
 void shift(TouchedParticles::Touched& particle, Vec3 by) {
   if (particle.held) return;
   for (int axis = 0; axis < 3; ++axis) {
@@ -163,7 +159,7 @@ void BodyContacts::share_out(Contact& contact, TouchedParticles& touched) {
     contact.mobility += weight * weight * inverse_mass(touched[slot], contact.normal);
     unbound += weight * weight * touched[slot].inverse_mass;
   }
-  if (contact.mobility < least_mobility * unbound) contact.mobility = 0.0;
+  if (contact.mobility < ContactSurface::least_mobility * unbound) contact.mobility = 0.0;
 }
 
 /// The triangle of a body that ranks first: by distance, and on an edge that two share, by how much it faces the

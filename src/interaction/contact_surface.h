@@ -58,6 +58,9 @@ struct ContactSurface {
   /// Of an overlap, and of an edge, in a step: more would press the surface in, and the body would spring back from
   /// that.
   static constexpr double parted_share = 0.05, largest_parting = 0.002;
+  /// Least mobility over that without imposed and held coordinates. Below it the free motion is nearly along the
+  /// surface: a particle would be thrown far aside to make little room.
+  static constexpr double least_mobility = 1e-4;
 
   /// m: how far from what it touches a surface stays, both sides together. Nothing between bodies with cuts: what a cut
   /// has parted lies on each other at rest.

@@ -9,6 +9,10 @@
 
 namespace phymul {
 
+/// Why a step is undone after which a tool has no such pose.
+inline constexpr const char* pose_not_finite =
+    "the pose of a tool, or a force on it, would not be finite: where it goes is extremely far away";
+
 inline bool is_finite(const ToolPose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.velocity.allFinite() &&
          pose.spin.allFinite();

@@ -338,9 +338,7 @@ const char* ToolSet::first_not_finite() const {
     return is_finite(tool.moved.motion.next_pose) && (tool.next_force.force + tool.pull.force).allFinite() &&
            (tool.next_force.torque + tool.pull.torque).allFinite();
   };
-  if (!std::ranges::all_of(tools_, is_fine)) {
-    return "the pose of a tool, or a force on it, would not be finite: where it goes is extremely far away";
-  }
+  if (!std::ranges::all_of(tools_, is_fine)) return pose_not_finite;
   return threads_.is_finite() ? "" : "a thread would not be finite: what pulls or moves it is extreme";
 }
 

@@ -164,14 +164,13 @@ void Simulation::Parts::bring_back(const Snapshot& snapshot) {
 void Simulation::Parts::begin(double dt) {
   solver();
   if (!started || !(dt > 0.0) || !std::isfinite(dt)) return;
-  // Solver::start() would undo what tools were told since.
-  const bool converts = started->dt != dt && scene.tools().empty() && is_at_start(solver().snapshot());
-  if (converts) {
-    solver().start(started->wanted, dt);
-    started->taken = solver().read();
-    started->dt = dt;
-    state_changed();
-  }
+  if (started->dt == dt || !is_at_start(solver().snapshot())) return;
+  const std::map<std::uint64_t, SeenTool> seen = tools_seen;
+  solver().start(started->wanted, dt);
+  started->taken = solver().read();
+  started->dt = dt;
+  state_changed();
+  ask_tools_again(seen);
 }
 
 void Simulation::Parts::state_changed() {

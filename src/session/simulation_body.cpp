@@ -53,6 +53,19 @@ void Simulation::Parts::see_tools() {
   });
 }
 
+/// What tools were asked since they were as `seen`, which the solver has forgotten.
+void Simulation::Parts::ask_tools_again(const std::map<std::uint64_t, SeenTool>& seen) {
+  for (const SceneTool& tool : std::vector<SceneTool>(scene.tools())) {
+    const auto known = seen.find(tool.id);
+    const SeenTool before = known != seen.end() ? known->second : SeenTool{};
+    const ToolHandle handle = scene.tool(tool.name);
+    if (before.places != tool.places) handle.teleport(tool.pose);
+    if (before.places == tool.places && before.moves != tool.moves) handle.move_to(tool.pose);
+    if (tool.released > before.grasps) handle.release();
+    if (before.grasps != tool.grasps && tool.grasping) handle.grasp(tool.grasp_distance);
+  }
+}
+
 void Simulation::Parts::took_steps(const StepReport& report) {
   if (report.steps == 0) return;
   started.reset();
@@ -70,14 +83,7 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
     change_body(removed_before, cuts_before);
     throw;
   }
-  for (const SceneTool& tool : std::vector<SceneTool>(scene.tools())) {
-    const SeenTool seen = tools_seen[tool.id];
-    const ToolHandle handle = scene.tool(tool.name);
-    if (seen.places != tool.places) handle.teleport(tool.pose);
-    if (seen.places == tool.places && seen.moves != tool.moves) handle.move_to(tool.pose);
-    if (tool.released > seen.grasps) handle.release();
-    if (seen.grasps != tool.grasps && tool.grasping) handle.grasp(tool.grasp_distance);
-  }
+  ask_tools_again(tools_seen);
   const std::size_t known = warnings.size();
   look_for_tools_beyond_cuts(model, scene, warnings);
   if (options.log && warnings.size() > known) options.log(warnings.back());

@@ -89,6 +89,8 @@ void SolverBackend::body_changed() {
   scene_->prepare(frame_);
   follow_joints();
   const auto domains = std::span(topology_->edited).subspan(domains_seen_);
+  std::map<std::uint64_t, ToolReport> told;
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) told[scene_->tools()[row].id] = tool_report(row);
   try {
     do_body_changed(domains);
   } catch (...) {  // a backend that does not follow
@@ -96,6 +98,18 @@ void SolverBackend::body_changed() {
     throw;
   }
   do_scene_changed();
+  // What the last step told stays; what tools hold and where they are is that of now.
+  for (std::size_t row = 0; row < scene_->tools().size(); ++row) {
+    ToolReport now = do_tool_report(row);
+    const ToolReport& was = told.at(scene_->tools()[row].id);
+    now.last_pose = was.last_pose;
+    now.force.force = was.force.force;
+    now.force.torque = was.force.torque;
+    now.force.mean_force = was.force.mean_force;
+    now.force.mean_torque = was.force.mean_torque;
+    now.force.particles = was.force.particles;
+    tools_before_[scene_->tools()[row].id] = std::move(now);
+  }
   continue_copies(domains);
   copies_seen_ = topology_->copied.size();
   exchanged_seen_ = topology_->exchanged.size();

@@ -103,6 +103,21 @@ TEST(RemovedCells, AreNotBroughtBackByACut) {
   EXPECT_NEAR(mass(), before, 0.02 * before);
 }
 
+/// So that a hand that feels the tool feels no gap in the ticks in which tissue parts.
+TEST_P(RemovedCellsOn, LeaveWhatToolsFeel) {
+  Simulation sim(slab(), options_for(GetParam()));
+  sim.scene().fix("z0");
+  const ToolHandle ball = sim.scene().add_tool(
+      {.shape = Sphere{8e-3}, .pose = {.position = {0.03, 0.02, 0.0355}}, .contact = ToolContact::surface});
+  ASSERT_TRUE(sim.step(20, 2e-4).ok());
+  const ToolForce felt = sim.force_on(ball);
+  const State before = sim.state();
+  EXPECT_GT(felt.force.norm(), 1e-3);
+  sim.remove_cells(std::vector<Index>{3});
+  EXPECT_EQ(sim.force_on(ball), felt);
+  EXPECT_LT(largest_distance(sim.state().velocity, before.velocity), 1e-5);
+}
+
 TEST(RemovedCells, ArePickedWhereTheyAreNow) {
   Simulation sim(slab(), options_for("reference"));
   sim.scene().fix("x0").gravity({0, 0, -9.81});

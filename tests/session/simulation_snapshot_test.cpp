@@ -192,6 +192,23 @@ TEST(SimulationStart, GoesOnFromSnapshotsAndFilesAsItDidItself) {
   std::filesystem::remove(path);
 }
 
+/// A tool that touches nothing does not change the motion, and does what it was asked after the start.
+TEST(SimulationStart, IsTheSameBesideTools) {
+  State ends[2];
+  for (const bool with_tool : {false, true}) {
+    Simulation sim(make_block({0.06, 0.02, 0.02}, 6, 2, 2),
+                   {.material = {.young = 5e3, .poisson = 0.4, .density = 1000}, .backend = "reference"});
+    sim.scene().gravity({0, 0, -1.0});
+    if (with_tool) sim.scene().add_tool("far", {.shape = Sphere{0.01}, .pose = {.position = {0, 0, 5}}});
+    sim.set_state(rest_state(sim.model()));
+    if (with_tool) sim.scene().tool("far").move_to({.position = {0, 0, 4}});
+    sim.step(3, 0.2 * sim.step_limit());
+    EXPECT_TRUE(!with_tool || sim.solver().tool_pose("far").position.z() == 4.0);
+    ends[with_tool] = sim.solver().read();
+  }
+  EXPECT_EQ(ends[1].position, ends[0].position);
+}
+
 TEST(SolverSnapshot, IsRefusedInAnotherScene) {
   const Model model = make_block({1, 1, 1}, 2, 2, 2);
   Scene scene(model);

@@ -29,19 +29,21 @@ void require_turns(std::int64_t particles, std::int64_t triangles, std::int64_t 
 
 /// The uniforms of contact_law.glsl, contact_nearest.glsl and contact_range.glsl.
 void note_constants(const FloatContacts& contacts, StorageRows& rows) {
-  const auto real = [&rows](const char* name, double value) { rows.note(name, static_cast<float>(value)); };
+  const auto real = [&rows](const char* name, double value) { rows.note(name, to_float(value)); };
   rows.note("surface_count", static_cast<int>(contacts.particle.size()));
   rows.note("body_count", static_cast<int>(contacts.bodies));
   rows.note("rounds", contacts.options.rounds);
   rows.note("touches_itself", contacts.options.self ? 1 : 0);
   real("friction", contacts.options.friction);
-  real("skin", contacts.options.margin);
+  const double margin = contacts.options.margin;
+  real("skin", margin > 0.0 ? std::max(margin, double{std::numeric_limits<float>::min()}) : 0.0);
   real("facing_share", ContactSurface::facing_share);
   real("usual_skin", ContactSurface::usual_skin);
   real("skin_factor", ContactSurface::skin_factor);
   real("depth_factor", ContactSurface::depth_factor);
   real("parted_share", ContactSurface::parted_share);
   real("largest_parting", ContactSurface::largest_parting);
+  real("least_mobility", ContactSurface::least_mobility);
   real("longest_edge", contacts.longest_edge);
   real("largest_skins", contacts.largest_skins());
 }

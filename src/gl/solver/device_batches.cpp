@@ -7,6 +7,7 @@
 #include "device/float_joints.h"
 #include "device/float_range.h"
 #include "device_solver.h"
+#include "interaction/tool_frame.h"
 
 namespace phymul::gl {
 namespace {
@@ -59,10 +60,11 @@ SolverBackend::Motion DeviceSolver::run_batches(const StepPlan& plan) {
     const int count = batch_size(plan, plan.steps - motion.steps);
     const auto start = std::chrono::steady_clock::now();
     const bool go_on = run_batch(plan, count, motion);
-    seconds_a_step_ = seconds_since(start) / count;
+    if (*motion.not_finite == '\0') seconds_a_step_ = seconds_since(start) / count;
     progress_.steps_at_rest = motion.steps_at_rest;
     if (!go_on || context_->lost()) break;
   }
+  if (motion.steps == 0 && !context_->lost() && tools_.undo_hold()) device_->set_held(tools_);
   return motion;
 }
 
@@ -124,7 +126,11 @@ void DeviceSolver::take_over(const StepPlan& plan, int steps, const BatchReport&
 bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   instants_.assign(1, progress_.time);
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
-  if (!tools_.empty()) tools_.begin_batch(count, plan.dt);
+  if (!tools_.empty()) count = tools_.begin_batch(count, plan.dt);
+  if (count == 0) {
+    motion.not_finite = pose_not_finite;
+    return false;
+  }
   device_->begin_batch(constants_of(plan), instants_, tools_);
   device_->run(count);
   const BatchEnd end = end_batch(plan, count, motion);

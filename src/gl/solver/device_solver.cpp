@@ -250,7 +250,9 @@ void DeviceSolver::do_snapshot(Snapshot& snapshot) const {
 void DeviceSolver::do_restore(const Snapshot& snapshot) {
   if (!dissipation_ || snapshot.parts.size() != 1 || !has_strains(snapshot)) refuse_parts(snapshot);
   const StrainMemory memory = strains_of(snapshot, topology());
+  const double largest = require_state_in_range(topology().rest, snapshot.state, snapshot.displacement);
   do_reset(snapshot.state);
+  progress_.largest_displacement = largest;
   if (!snapshot.displacement.empty()) {
     State displaced = snapshot.state;
     displaced.position = snapshot.displacement;
