@@ -359,9 +359,7 @@ class ReferenceSolver final : public SolverBackend {
     double largest = 0.0;
     for (Index i = 0; i < topology().particle_count; ++i) {
       Vec3 v = state_.velocity[i];
-      for (int axis = 0; axis < 3; ++axis) {
-        if (fixed(i, axis)) v[axis] = 0.0;
-      }
+      for (int axis = 0; axis < 3; ++axis) v[axis] = fixed(i, axis) ? 0.0 : v[axis];
       largest = std::max(largest, v.norm());
     }
     return largest;

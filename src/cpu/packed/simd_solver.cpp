@@ -129,9 +129,7 @@ class SimdSolver final : public SolverBackend {
   }
 
   void do_body_changed(std::span<const Index> domains) override {
-    if (body_->edit(topology(), domains)) {
-      averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
-    }
+    if (body_->edit(topology(), domains)) averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
     if (clustered_) {
       force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
       clustered_.emplace(*body_, kernels_, pool_.parts(), far_);
