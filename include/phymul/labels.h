@@ -28,8 +28,8 @@ struct LabelImage {
 };
 
 struct LabelRegion {
-  std::uint16_t label = 0;
-  std::string name{};  ///< labels with one name are one region
+  std::uint16_t label = 0;  ///< > 0
+  std::string name{};       ///< labels with one name are one region
 };
 
 struct LabelBodyOptions {
@@ -54,8 +54,8 @@ struct LabelBodyOptions {
 ///
 /// Model::notes has the notes of the image and names the regions that have no cell: they are thinner than the spacing.
 /// BodyReport::regions compares volumes. Throws Error as make_body() does for a Solid; for an image whose sizes do not
-/// fit or whose frame is singular; for a label that no voxel has or that is given twice; for an empty name, and for
-/// "surface", which is taken.
+/// fit or whose frame is singular; for a label that is 0, that no voxel has or that is given twice; for an empty name,
+/// and for "surface", which is taken.
 Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyReport* report = nullptr);
 
 }  // namespace phymul
