@@ -41,7 +41,8 @@ Solid solid_ellipsoid(const Vec3& centre, const Vec3& semi_axes);
 Solid solid_capsule(const Vec3& a, const Vec3& b, double radius);
 Solid solid_box(const Vec3& low, const Vec3& high);
 /// The inside of a surface, mended as by mend_surface(), with the true distance to its triangles. Throws Error as
-/// mend_surface() does, if shells touch along an edge or overlap, and for a triangle without area.
+/// mend_surface() does, if shells touch along an edge or overlap by more than 1/64 of the size, and for a triangle
+/// without area.
 Solid solid_within(Surface surface);
 /// Union, intersection, and `solid` without `hole`. They throw Error for an empty list, function or box.
 Solid solid_union(std::vector<Solid> solids);

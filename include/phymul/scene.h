@@ -393,7 +393,7 @@ class Scene {
   // Of body_changed():
   std::uint64_t body_version_ = 0;
   std::vector<Index> removed_;         // particles without mass
-  std::vector<BodyCut::Copy> copies_;  // of all cuts
+  std::vector<BodyCut::Copy> copies_;  // of all cuts, then those that were undone
   std::vector<char> open_volumes_;     // per volume constraint there was
 };
 

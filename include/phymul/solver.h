@@ -58,7 +58,8 @@ struct ParticleBuffer {
 /// stay at their address, and the model must not change. Simulation (simulation.h) owns all three and has no such rule.
 /// Threads: one thread at a time may call a solver, const functions included, and no other thread may then use its
 /// scene. Two solvers are independent, even if they share tables or a scene that nobody changes.
-/// Exceptions and memory: step() throws only std::bad_alloc and what SolverOptions::progress throws. It allocates in
+/// Exceptions and memory: step() throws only std::bad_alloc, what SolverOptions::progress throws, and Error where a
+/// backend cannot take over what the scene has changed to, as surfaces too far apart on gl-compute. It allocates in
 /// the first step after a change of the scene, when more surfaces are near each other than ever before, where a needle,
 /// a blade or a tear advances, and where a thread lies on something. Scene::set_events and new tool poses are not
 /// such changes. "reference" also allocates at its first force and at its first imposed position. Only read() and
@@ -97,7 +98,8 @@ class Solver {
   virtual int substeps() const = 0;
 
   /// Starts from a state. Throws Error, and changes nothing, if the state's sizes do not fit, a value is not finite, z
-  /// is not 0 in a two-dimensional model, or State::tools has particles held by a needle or a hole of another shape.
+  /// is not 0 in a two-dimensional model, or State::tools has a particle held twice, particles held by a needle or a
+  /// blade, or a hole of another shape.
   /// Also throws Error if the backend does not support the scene, and during step().
   ///
   /// After reset(), restore(), start() and StateHistory::rewind() each tool holds the particles listed in the state,
