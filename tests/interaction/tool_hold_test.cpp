@@ -185,7 +185,7 @@ TEST_P(ToolHold, GivesWayToWhatIsFixedBeforeAndAfterwards) {
   for (const Index i : model_.group("z0")) EXPECT_EQ(state.position[i], model_.rest[i]) << i;
 }
 
-/// One that would be nowhere after the second step; what the first did counts.
+/// A tool whose next pose is no number ends the call, at its last pose. Nor is a place beyond single precision taken.
 TEST_P(ToolHold, IsOfNoToolWithoutAPlace) {
   scene_.add_tool("spinning", {.shape = Sphere{0.001}, .pose = {.position = {0, 0, 1}, .spin = {1e200, 0, 0}}});
   make_here();
