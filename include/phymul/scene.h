@@ -16,6 +16,7 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -392,9 +393,10 @@ class Scene {
   std::uint64_t version_ = 0, values_version_ = 0;
   // Of body_changed():
   std::uint64_t body_version_ = 0;
-  std::vector<Index> removed_;         // particles without mass
-  std::vector<BodyCut::Copy> copies_;  // of all cuts, then those that were undone
-  std::vector<char> open_volumes_;     // per volume constraint there was
+  std::vector<Index> removed_;            // particles without mass
+  std::vector<BodyCut::Copy> copies_;     // of all cuts
+  std::map<Index, Index> undone_copies_;  // and what each copied
+  std::vector<char> open_volumes_;        // per volume constraint there was
 };
 
 }  // namespace phymul

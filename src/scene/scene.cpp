@@ -287,22 +287,20 @@ Scene& Scene::clear() {
 }
 
 /// What is imposed on a particle, an acceleration and a pressure are on all of its tissue. A force stays at the
-/// particle, also while this is no copy, but not where it becomes one of another. Copies that were undone follow the
-/// others in copies_, with -2 less what they copied.
+/// particle, also while this is no copy, but not where it becomes one of another.
 void Scene::follow_copies(const BodyCuts& cuts) {
   std::vector<BodyCut::Copy> now;
   for (const auto& cut : cuts) now.insert(now.end(), cut->copies.begin(), cut->copies.end());
-  const auto undone = std::ranges::find_if(copies_, [](const BodyCut::Copy& copy) { return copy.of < 0; });
-  const auto stays = std::mismatch(copies_.begin(), undone, now.begin(), now.end());
-  std::map<Index, Index> were;  // what particles copied that are no copies any more
-  for (auto old = stays.first; old != copies_.end(); ++old) were[old->particle] = old->of < 0 ? -2 - old->of : old->of;
+  const auto stays = std::ranges::mismatch(copies_, now);
+  std::map<Index, Index> were = std::move(undone_copies_);
+  for (auto old = stays.in1; old != copies_.end(); ++old) were[old->particle] = old->of;
   for (std::size_t row = 0; row < loads_.size(); ++row) {
     const bool on_all = loads_[row].type != LoadType::force;
     std::vector<Index>& particles = loads_[row].particles;
     const std::size_t before = particles.size();
-    for (auto old = stays.first; on_all && old != undone; ++old) std::erase(particles, old->particle);
+    for (auto old = stays.in1; on_all && old != copies_.end(); ++old) std::erase(particles, old->particle);
     bool changed = particles.size() != before;
-    for (auto added = stays.second; added != now.end(); ++added) {
+    for (auto added = stays.in2; added != now.end(); ++added) {
       const auto was = were.find(added->particle);
       const bool is_another = was != were.end() && was->second != added->of;
       if (!on_all && is_another) changed = std::erase(particles, added->particle) > 0 || changed;
@@ -313,8 +311,8 @@ void Scene::follow_copies(const BodyCuts& cuts) {
     if (changed) actions_[row] = prepared(loads_[row]);
   }
   for (const BodyCut::Copy& copy : now) were.erase(copy.particle);
+  undone_copies_ = std::move(were);
   copies_ = std::move(now);
-  for (const auto& [particle, of] : were) copies_.push_back({particle, -2 - of});
 }
 
 void Scene::body_changed(const BodyCuts& cuts) {

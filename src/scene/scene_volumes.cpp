@@ -119,9 +119,7 @@ void Scene::find_open_volumes() {
   };
   std::vector<Index> origin(model_->rest.size());
   std::iota(origin.begin(), origin.end(), 0);
-  for (const BodyCut::Copy& copy : copies_) {
-    if (copy.of >= 0) origin[copy.particle] = origin[copy.of];
-  }
+  for (const BodyCut::Copy& copy : copies_) origin[copy.particle] = origin[copy.of];
   std::vector<Side> sides;
   for (std::size_t row = 0; row < volume_constraints_.size(); ++row) {
     for (const auto& [a, b, c] : volume_constraints_[row].triangles) {
