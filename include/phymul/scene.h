@@ -16,7 +16,6 @@
 #include <array>
 #include <cstdint>
 #include <initializer_list>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -320,18 +319,20 @@ class Scene {
   const std::vector<Load>& loads() const { return loads_; }
   const Vec3& gravity() const { return gravity_; }
   const std::vector<VolumeConstraint>& volume_constraints() const { return volume_constraints_; }
-  bool any_volume_open() const;  ///< is_open() of one or more
+  bool any_volume_open() const;
   /// Whether a triangle of this volume constraint is no longer at a cell (body_changed()): then its volume is not kept.
   bool is_open(std::size_t volume) const { return volume < open_volumes_.size() && open_volumes_[volume] != 0; }
   [[nodiscard]] const std::optional<ContactOptions>& contacts() const { return contacts_; }
 
   // For authors of backends (load_frame.h).
-  /// Says that cells of the model were removed, brought back or cut (Simulation calls it): what depends on
-  /// surface and masses follows. Particles without mass stay at their rest places, nothing touches or pulls them, and
-  /// springs of joints that end at one are broken.
-  /// `cuts`: all that the body has. What is imposed on a particle, and an acceleration, is so on its copies as well.
-  void body_changed(const BodyCuts& cuts = {});
-  std::uint64_t body_version() const { return body_version_; }  ///< counts its calls
+  /// Says that cells of the model were removed, brought back or cut (Simulation calls it): what depends on surface and
+  /// masses follows. Particles without mass stay at their rest places, nothing touches or pulls them, and springs of
+  /// joints that end at one are broken. `cuts`: all that the body has. What is imposed on a particle, and an
+  /// acceleration, is so on its copies as well.
+  /// `cells`: rows that are others than before, or not there any more; empty: any may be.
+  void body_changed(const BodyCuts& cuts = {}, std::vector<Index> cells = {});
+  std::uint64_t body_version() const { return body_version_; }                ///< counts its calls
+  const std::vector<Index>& changed_cells() const { return changed_cells_; }  ///< of its last call
   /// Counts all changes except those that values_version() counts and those by a ToolHandle or ThreadHandle (SceneTool
   /// and SceneThread count these). A solver that finds a new value calls prepare() again.
   std::uint64_t version() const { return version_; }
@@ -390,13 +391,10 @@ class Scene {
   std::vector<SceneJoint> joints_;
   std::vector<SceneThread> threads_;
   std::uint64_t next_tool_ = 1, next_joint_ = 1, next_thread_ = 1, next_volume_ = 1, volume_changes_ = 0;
-  std::uint64_t version_ = 0, values_version_ = 0;
-  // Of body_changed():
-  std::uint64_t body_version_ = 0;
-  std::vector<Index> removed_;            // particles without mass
-  std::vector<BodyCut::Copy> copies_;     // of all cuts
-  std::map<Index, Index> undone_copies_;  // and what each copied
-  std::vector<char> open_volumes_;        // per volume constraint there was
+  std::uint64_t version_ = 0, values_version_ = 0, body_version_ = 0;
+  std::vector<Index> changed_cells_, removed_;         // the latter: particles without mass
+  std::vector<BodyCut::Copy> copies_, undone_copies_;  // of all cuts; what was a copy, in ascending order
+  std::vector<char> open_volumes_;                     // per volume constraint there was
 };
 
 }  // namespace phymul

@@ -4,14 +4,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
+#include "base/union_find.h"
 #include "closest_point.h"
 #include "model/cell_geometry.h"
 #include "model/surface_facets.h"
 #include "model/tissue_surface.h"
-#include "scene/body_rows.h"
 
 namespace phymul {
 namespace {
@@ -194,11 +196,47 @@ class SurfaceBuilder {
   std::vector<Corners> walls_;
 };
 
-}  // namespace
+/// What connected_bodies() finds once these cells have changed, from what it found before; nothing where the cells
+/// alone do not tell. Bodies are as before if what each has of the particles of those cells, before and after, is
+/// connected through them: a way that led through changed cells still leads there.
+std::optional<BodyRows> rows_after(const Model& model, const ContactSurface& before, std::span<const Index> cells,
+                                   std::vector<Index> particles, const OuterFaces& outer) {
+  std::ranges::sort(particles);
+  const auto again = std::ranges::unique(particles);
+  particles.erase(again.begin(), again.end());
+  UnionFind sets(particles.size());
+  const auto place = [&](Index i) {
+    return static_cast<Index>(std::ranges::lower_bound(particles, i) - particles.begin());
+  };
+  for (const Index row : cells) {
+    const auto corners = outer.particles_of(row);
+    for (const Index i : corners) sets.join(place(corners.front()), place(i));
+  }
+  BodyRows rows{before.body_of, before.bodies};
+  std::vector<Index> body_of_set(particles.size(), -1), set_of_body(rows.count, -1);
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    const Index body = rows.of[particles[k]], set = sets.root(static_cast<Index>(k));
+    if (body < 0 || model.mass[particles[k]] == 0.0) continue;
+    if (body_of_set[set] < 0 && set_of_body[body] < 0)
+      std::tie(body_of_set[set], set_of_body[body]) = std::tuple(body, set);
+    if (body_of_set[set] != body) return std::nullopt;
+  }
+  for (std::size_t k = 0; k < particles.size(); ++k) {
+    const bool is_there = model.mass[particles[k]] > 0.0;
+    rows.of[particles[k]] = is_there ? body_of_set[sets.root(static_cast<Index>(k))] : -1;
+    if (is_there && rows.of[particles[k]] < 0) return std::nullopt;
+  }
+  Index next = 0;  // bodies are in order of their first particles
+  for (const Index body : rows.of) {
+    if (body > next) return std::nullopt;
+    next += body == next ? 1 : 0;
+  }
+  return next == rows.count ? std::optional(std::move(rows)) : std::nullopt;
+}
 
-ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer) {
+/// `outer`: of the model.
+ContactSurface made_surface(const Model& model, const OuterFaces& outer, BodyRows rows) {
   ContactSurface surface;
-  BodyRows rows = body_rows(model);
   surface.body_of = std::move(rows.of);
   surface.bodies = rows.count;
   const std::vector<Index>& body_of = surface.body_of;
@@ -206,12 +244,22 @@ ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer)
     bool of_cells = false, solid = false, cut = false;
   };
   std::vector<Kind> kind(rows.count);
-  for (const Cell& cell : model.cells) {
-    const Index body = cell.particles.empty() ? -1 : body_of[cell.particles.front()];  // none where all is removed
-    if (cell_size(cell.type) == 0 || !(cell.share > 0.0) || body < 0) continue;
-    kind[body].of_cells |= is_solid(model.dimension, cell);
-    kind[body].solid |= is_volume(cell.type);
-    kind[body].cut |= !cell.cuts.empty();
+  const auto kind_of = [&](std::span<const Index> particles) -> Kind* {
+    const Index body = particles.empty() ? -1 : body_of[particles.front()];  // none where all is removed
+    return body < 0 ? nullptr : &kind[body];
+  };
+  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
+    if (Kind* const own = kind_of(outer.particles_of(row))) own->of_cells = true;
+  }
+  for (const Index row : outer.cut_cells()) {
+    if (Kind* const own = kind_of(outer.particles_of(row))) own->cut = true;
+  }
+  for (Kind& own : kind) own.solid = own.of_cells && model.dimension == 3;
+  if (has_walls(model)) {
+    for (const Cell& cell : model.cells) {
+      Kind* const own = cell.share > 0.0 && !cell.cuts.empty() ? kind_of(cell.particles) : nullptr;
+      if (own != nullptr) own->cut = true;
+    }
   }
   std::vector<std::vector<Facet>> facets(rows.count);
   const auto add_facets = [&](bool of_cells, auto find) {
@@ -245,12 +293,43 @@ ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer)
   return surface;
 }
 
+}  // namespace
+
+ContactSurface make_contact_surface(const Model& model) {
+  return made_surface(model, OuterFaces(model), body_rows(model));
+}
+
 std::shared_ptr<const ContactSurface> FollowedSurface::of(const Scene& scene) {
   if (made_ && body_version_ == scene.body_version()) return made_;
-  outer_.follow(scene.model());
-  made_ = std::make_shared<const ContactSurface>(make_contact_surface(scene.model(), outer_));
+  BodyRows rows = follow(scene);
+  made_ = std::make_shared<const ContactSurface>(made_surface(scene.model(), outer_, std::move(rows)));
   body_version_ = scene.body_version();
   return made_;
+}
+
+/// Updates outer_. What joins a body besides cells, lists of neighbours, does not count while it has cuts
+/// (body_rows()).
+BodyRows FollowedSurface::follow(const Scene& scene) {
+  const Model& model = scene.model();
+  const std::vector<Index>& cells = scene.changed_cells();
+  if (!made_ || body_version_ + 1 != scene.body_version() || cells.empty() || has_walls(model)) {
+    outer_.follow(model);
+    return body_rows(model);
+  }
+  const bool had_cuts = !outer_.cut_cells().empty();
+  std::vector<Index> particles;
+  const auto add_particles = [&] {
+    for (const Index row : cells) {
+      const auto own = outer_.particles_of(row);
+      particles.insert(particles.end(), own.begin(), own.end());
+    }
+  };
+  add_particles();
+  outer_.follow(model, cells);
+  add_particles();
+  std::optional<BodyRows> rows;
+  if (had_cuts && !outer_.cut_cells().empty()) rows = rows_after(model, *made_, cells, std::move(particles), outer_);
+  return rows ? std::move(*rows) : body_rows(model);
 }
 
 double ContactSurface::distance_at_rest(std::size_t particle_row, const Triangle& triangle) const {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "model/outer_faces.h"
+#include "scene/body_rows.h"
 
 namespace phymul {
 
@@ -81,11 +82,8 @@ struct ContactSurface {
 };
 
 /// Of bodies with cuts the surface of the tissue (tissue_surface). Bodies without any facet have particles only, whose
-/// edges are the ways to their neighbours. `outer`: of the model.
-ContactSurface make_contact_surface(const Model& model, const OuterFaces& outer);
-inline ContactSurface make_contact_surface(const Model& model) {
-  return make_contact_surface(model, OuterFaces(model));
-}
+/// edges are the ways to their neighbours.
+ContactSurface make_contact_surface(const Model& model);
 
 /// Of the body of one scene, made anew when it has changed, once for all that touch it.
 class FollowedSurface {
@@ -93,6 +91,8 @@ class FollowedSurface {
   std::shared_ptr<const ContactSurface> of(const Scene& scene);
 
  private:
+  BodyRows follow(const Scene& scene);
+
   OuterFaces outer_;
   std::shared_ptr<const ContactSurface> made_;
   std::uint64_t body_version_ = 0;  // Scene::body_version() that it is of

@@ -2,6 +2,7 @@
 #include "outer_faces.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace phymul {
 namespace {
@@ -15,36 +16,49 @@ std::size_t hash_of(const FaceKey& key) {
 }  // namespace
 
 void OuterFaces::follow(const Model& model) {
-  const auto count = static_cast<Index>(model.cells.size());
-  for (auto row = static_cast<Index>(known_.size()); row-- > count;) take_out(row);
-  known_.resize(model.cells.size(), none());
-  next_.resize(model.cells.size() * most_faces, -1);
+  std::vector<Index> all(std::max(known_.size(), model.cells.size()));
+  std::iota(all.begin(), all.end(), 0);
+  follow(model, all);
+}
+
+void OuterFaces::follow(const Model& model, std::span<const Index> cells) {
+  const std::size_t count = model.cells.size(), most = std::max(count, known_.size());
+  known_.resize(most, none());
+  next_.resize(most * most_faces, -1);
   face_of_.resize(next_.size(), -1);
-  cut_cells_.clear();
-  for (Index row = 0; row < count; ++row) {
-    const Cell& cell = model.cells[row];
-    if (!cell.cuts.empty() && is_solid(model.dimension, cell)) cut_cells_.push_back(row);
-    const auto corners = is_solid(model.dimension, cell) ? std::span(cell.particles) : std::span<const Index>();
-    const bool complete = corners.size() == known_[row].size() || known_[row][corners.size()] < 0;
-    if (complete && std::equal(corners.begin(), corners.end(), known_[row].begin())) continue;
+  for (const Index row : cells) {
+    const Cell* const cell = static_cast<std::size_t>(row) < count ? &model.cells[row] : nullptr;
+    const bool solid = cell != nullptr && is_solid(model.dimension, *cell), cut = solid && !cell->cuts.empty();
+    const auto at = std::ranges::lower_bound(cut_cells_, row);
+    const bool was_cut = at != cut_cells_.end() && *at == row;
+    if (cut && !was_cut) cut_cells_.insert(at, row);
+    if (was_cut && !cut) cut_cells_.erase(at);
+    const auto corners = solid ? std::span(cell->particles) : std::span<const Index>();
+    if (std::ranges::equal(corners, particles_of(row))) continue;
     take_out(row);
     std::ranges::copy(corners, known_[row].begin());
-    if (!corners.empty()) put_in(model.dimension, cell, row);
+    if (solid) put_in(model.dimension, *cell, row);
   }
-  std::vector<Index> places;
-  bool same = true;
+  known_.resize(count);
+  next_.resize(count * most_faces);
+  face_of_.resize(next_.size());
+  std::vector<Index> places, added;
+  bool fewer = false;
   for (const Index row : changed_) {
     Face& face = faces_[row];
     face.changed = false;
     const bool outer = is_outer(model, row, places);
-    if (outer && !face.outer) outer_.push_back(row);
-    same = same && outer == face.outer;
+    if (outer && !face.outer) added.push_back(row);
+    fewer = fewer || (face.outer && !outer);
     face.outer = outer;
   }
   changed_.clear();
-  if (same) return;
-  std::erase_if(outer_, [&](Index row) { return !faces_[row].outer; });
-  std::ranges::sort(outer_, {}, [&](Index row) { return faces_[row].key; });
+  const auto key = [&](Index row) { return faces_[row].key; };
+  if (fewer) std::erase_if(outer_, [&](Index row) { return !faces_[row].outer; });
+  std::ranges::sort(added, {}, key);
+  const auto first = static_cast<std::ptrdiff_t>(outer_.size());
+  outer_.insert(outer_.end(), added.begin(), added.end());
+  std::ranges::inplace_merge(outer_, outer_.begin() + first, {}, key);
 }
 
 Index OuterFaces::row_of(const FaceKey& key) {

@@ -5,6 +5,7 @@
 
 #include <phymul/model.h>
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstdint>
@@ -51,6 +52,15 @@ class OuterFaces {
 
   /// Looks at all cells, and does more for those alone that are others than at the last call.
   void follow(const Model& model);
+  /// Looks at these rows, where no other has changed since the last call; those beyond the model's cells are gone.
+  void follow(const Model& model, std::span<const Index> cells);
+
+  /// Of a row of the model that was followed: none where it is no solid cell.
+  std::span<const Index> particles_of(Index cell) const {
+    if (cell >= static_cast<Index>(known_.size())) return {};
+    const Corners& own = known_[cell];
+    return std::span(own).first(static_cast<std::size_t>(std::ranges::find(own, -1) - own.begin()));
+  }
 
   /// Rows of the solid cells that cuts cross, ascending.
   const std::vector<Index>& cut_cells() const { return cut_cells_; }

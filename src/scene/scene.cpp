@@ -292,7 +292,8 @@ void Scene::follow_copies(const BodyCuts& cuts) {
   std::vector<BodyCut::Copy> now;
   for (const auto& cut : cuts) now.insert(now.end(), cut->copies.begin(), cut->copies.end());
   const auto stays = std::ranges::mismatch(copies_, now);
-  std::map<Index, Index> were = std::move(undone_copies_);
+  std::map<Index, Index> were;  // what particles copied that are no copies any more
+  for (const BodyCut::Copy& copy : undone_copies_) were[copy.particle] = copy.of;
   for (auto old = stays.in1; old != copies_.end(); ++old) were[old->particle] = old->of;
   for (std::size_t row = 0; row < loads_.size(); ++row) {
     const bool on_all = loads_[row].type != LoadType::force;
@@ -311,12 +312,14 @@ void Scene::follow_copies(const BodyCuts& cuts) {
     if (changed) actions_[row] = prepared(loads_[row]);
   }
   for (const BodyCut::Copy& copy : now) were.erase(copy.particle);
-  undone_copies_ = std::move(were);
+  undone_copies_.clear();
+  for (const auto& [particle, of] : were) undone_copies_.push_back({particle, of});
   copies_ = std::move(now);
 }
 
-void Scene::body_changed(const BodyCuts& cuts) {
+void Scene::body_changed(const BodyCuts& cuts, std::vector<Index> cells) {
   ++body_version_;
+  changed_cells_ = std::move(cells);
   follow_copies(cuts);
   for (std::size_t row = 0; row < loads_.size(); ++row) {
     const LoadType type = loads_[row].type;

@@ -29,20 +29,36 @@ void Simulation::Parts::change_body(const std::vector<Index>& removed, const Bod
     std::ranges::set_difference(a, b, std::back_inserter(rest));
     return rest;
   };
+  std::vector<Index> changed;  // rows of cells
+  const auto set_shares = [&](const std::vector<Index>& cells, double share) {
+    body_edit().set_shares(cells, share);
+    changed.insert(changed.end(), cells.begin(), cells.end());
+  };
   const auto set_removed = [&](const std::vector<Index>& to) {
     const std::vector<Index> from = topology->removed;
-    body_edit().set_shares(without(from, to), 1.0);
-    body_edit().set_shares(without(to, from), 0.0);
+    set_shares(without(from, to), 1.0);
+    set_shares(without(to, from), 0.0);
+  };
+  const auto add_changed = [&](const BodyCut& cut, std::size_t first_added) {
+    for (const BodyCut::Change& change : cut.changed) changed.push_back(change.row);
+    for (std::size_t k = 0; k < cut.added.size(); ++k) changed.push_back(static_cast<Index>(first_added + k));
   };
   const auto same = [](const auto& a, const auto& b) { return a == b || *a == *b; };
   const auto stays = std::ranges::mismatch(topology->cuts, cuts, same);
   const bool only_further = stays.in1 == topology->cuts.end() && removed == topology->removed;
   if (!only_further && !equal_cuts(topology->cuts, cuts)) set_removed({});
   const auto kept = static_cast<std::size_t>(stays.in2 - cuts.begin());
-  while (topology->cuts.size() > kept) body_edit().undo();
-  for (std::size_t k = kept; k < cuts.size(); ++k) body_edit().make(cuts[k]);
+  while (topology->cuts.size() > kept) {
+    const std::shared_ptr<const BodyCut> undone = topology->cuts.back();
+    body_edit().undo();
+    add_changed(*undone, model.cells.size());
+  }
+  for (std::size_t k = kept; k < cuts.size(); ++k) {
+    add_changed(*cuts[k], model.cells.size());
+    body_edit().make(cuts[k]);
+  }
   set_removed(removed);
-  scene.body_changed(topology->cuts);
+  scene.body_changed(topology->cuts, std::move(changed));
 }
 
 void Simulation::Parts::see_tools() {
