@@ -33,6 +33,18 @@ struct BoxTree {
   std::vector<Index> items;   ///< rows of `places`
   std::vector<Index> groups;  ///< [groups + 1] first node of each; equal where a group has no items
 
+  /// Calls visit(node, part, is_item) for each item of a leaf and each child of another node, these after their own.
+  template <class Visit>
+  void each_part_from_below(Visit visit) const {
+    for (auto own = static_cast<Index>(nodes.size()); own-- > 0;) {  // children stand behind their parents
+      const Node& node = nodes[own];
+      for (Index item = node.first; node.is_leaf && item < node.end; ++item) visit(own, item, true);
+      for (Index child = own + 1; !node.is_leaf && child < node.next; child = nodes[child].next) {
+        visit(own, child, false);
+      }
+    }
+  }
+
  private:
   struct Coded {
     std::uint32_t code = 0;

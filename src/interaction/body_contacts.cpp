@@ -245,8 +245,8 @@ void BodyContacts::keep(const Nearest& found, double margin) {
   const ContactSurface::Particle& own = surface_->particles[found.particle];
   const ContactSurface::Triangle& triangle = surface_->triangles[found.triangle];
   if (found.inside && is_deep(found.distance, triangle, own)) return;
-  const double gap =
-      (found.inside ? -found.distance : found.distance) - surface_->skins(own, triangle, options_.margin);
+  const double gap = (found.inside ? -found.distance : found.distance) -
+                     surface_->skins(own, found.particle, triangle, options_.margin);
   if (gap > margin) return;
   Contact contact;
   contact.particle = found.particle;

@@ -132,13 +132,12 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
     }
     item_motion_.push_back({.least_edge = triangle.edge, .cover = std::sqrt(side / 3.0), .of_cut = triangle.of_cut});
   }
-  node_edge_.clear();
-  node_motion_.clear();
-  for (const BoxTree::Node& node : triangles_.nodes) {
-    node_edge_.push_back(*std::max_element(item_edge_.begin() + node.first, item_edge_.begin() + node.end));
-    Motion& motion = node_motion_.emplace_back();
-    for (Index item = node.first; item < node.end; ++item) join(motion, item_motion_[item]);
-  }
+  node_edge_.assign(triangles_.nodes.size(), 0.0);
+  node_motion_.assign(triangles_.nodes.size(), {});
+  triangles_.each_part_from_below([&](Index own, Index part, bool is_item) {
+    node_edge_[own] = std::max(node_edge_[own], is_item ? item_edge_[part] : node_edge_[part]);
+    join(node_motion_[own], is_item ? item_motion_[part] : node_motion_[part]);
+  });
   item_box_.resize(triangles_.items.size());
   node_box_.resize(triangles_.nodes.size());
   item_search_.resize(item_box_.size());
@@ -215,23 +214,14 @@ bool ContactCandidates::measure(std::span<const Vec3> place) {
     }
     widest = std::max(widest, (box.high - box.low).maxCoeff());
   }
-  lost_ = !(widest < furthest_place);                     // a runaway particle, found out elsewhere
-  for (std::size_t own = node_box_.size(); own-- > 0;) {  // children stand behind their parents
-    const BoxTree::Node& node = triangles_.nodes[own];
-    Box &box = node_box_[own], &shift = node_motion_[own].shift;
-    box = shift = {};
-    const auto join = [&](const Box& inner, const Motion& motion) {
-      add(box, inner.low, inner.high);
-      add(shift, motion.shift.low, motion.shift.high);
-    };
-    if (node.is_leaf) {
-      for (Index item = node.first; item < node.end; ++item) join(item_box_[item], item_motion_[item]);
-    } else {
-      for (auto child = static_cast<Index>(own) + 1; child < node.next; child = triangles_.nodes[child].next) {
-        join(node_box_[child], node_motion_[child]);
-      }
-    }
-  }
+  lost_ = !(widest < furthest_place);  // a runaway particle, found out elsewhere
+  for (std::size_t own = 0; own < node_box_.size(); ++own) node_box_[own] = node_motion_[own].shift = {};
+  triangles_.each_part_from_below([&](Index own, Index part, bool is_item) {
+    const Box& box = is_item ? item_box_[part] : node_box_[part];
+    const Box& shift = is_item ? item_motion_[part].shift : node_motion_[part].shift;
+    add(node_box_[own], box.low, box.high);
+    add(node_motion_[own].shift, shift.low, shift.high);
+  });
   return !lost_ && std::ranges::all_of(place, [](const Vec3& x) { return x.allFinite(); });
 }
 

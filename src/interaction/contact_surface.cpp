@@ -51,6 +51,9 @@ class SurfaceBuilder {
     if (surface_.is_cut.size() <= static_cast<std::size_t>(body)) surface_.is_cut.resize(body + 1, 0);
     surface_.is_cut[body] = 1;
     std::vector<Index> slot(place.size(), -1);
+    surface_.particles.reserve(first + place.size());
+    surface_.rest.reserve(first + place.size());
+    surface_.triangles.reserve(surface_.triangles.size() + tissue.triangles.size());
     for (std::size_t k = 0; k < place.size(); ++k) {
       const TissueVertex& at = tissue.vertices[k];
       if (surface_.body_of[at.particles[0]] != body) continue;
@@ -244,20 +247,19 @@ ContactSurface made_surface(const Model& model, const OuterFaces& outer, BodyRow
     bool of_cells = false, solid = false, cut = false;
   };
   std::vector<Kind> kind(rows.count);
-  const auto kind_of = [&](std::span<const Index> particles) -> Kind* {
-    const Index body = particles.empty() ? -1 : body_of[particles.front()];  // none where all is removed
-    return body < 0 ? nullptr : &kind[body];
+  const auto kind_of = [&](Index particle) -> Kind* {  // none where all is removed
+    return body_of[particle] < 0 ? nullptr : &kind[body_of[particle]];
   };
-  for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
-    if (Kind* const own = kind_of(outer.particles_of(row))) own->of_cells = true;
-  }
+  outer.each_place([&](Index particle) {
+    if (Kind* const own = kind_of(particle)) own->of_cells = true;
+  });
   for (const Index row : outer.cut_cells()) {
-    if (Kind* const own = kind_of(outer.particles_of(row))) own->cut = true;
+    if (Kind* const own = kind_of(outer.particles_of(row).front())) own->cut = true;
   }
   for (Kind& own : kind) own.solid = own.of_cells && model.dimension == 3;
   if (has_walls(model)) {
     for (const Cell& cell : model.cells) {
-      Kind* const own = cell.share > 0.0 && !cell.cuts.empty() ? kind_of(cell.particles) : nullptr;
+      Kind* const own = cell.share > 0.0 && !cell.cuts.empty() ? kind_of(cell.particles.front()) : nullptr;
       if (own != nullptr) own->cut = true;
     }
   }
@@ -338,9 +340,11 @@ double ContactSurface::distance_at_rest(std::size_t particle_row, const Triangle
   return (rest[particle_row] - (share[0] * a + share[1] * b + share[2] * c)).norm();
 }
 
-double ContactSurface::skins(const Particle& particle, const Triangle& triangle, double margin) const {
-  if (are_cut(particle, triangle)) return 0.0;
-  return margin > 0.0 ? 2.0 * margin : usual_skin * (triangle.edge + particle.edge);
+double ContactSurface::skins(const Particle& particle, std::size_t particle_row, const Triangle& triangle,
+                             double margin) const {
+  const double usual = margin > 0.0 ? 2.0 * margin : usual_skin * (triangle.edge + particle.edge);
+  if (!are_cut(particle, triangle)) return usual;
+  return triangle.has_inside ? 0.0 : std::min(usual, distance_at_rest(particle_row, triangle));
 }
 
 /// A lip's point lies in the plane of the other lip's triangle at rest, or a little beside it where the cut is bent;

@@ -64,8 +64,8 @@ struct ContactSurface {
   static constexpr double least_mobility = 1e-4;
 
   /// m: how far from what it touches a surface stays, both sides together. Nothing between bodies with cuts: what a cut
-  /// has parted lies on each other at rest.
-  double skins(const Particle& particle, const Triangle& triangle, double margin) const;
+  /// has parted lies on each other at rest. At walls, which need it to know their sides, only so little between those.
+  double skins(const Particle& particle, std::size_t particle_row, const Triangle& triangle, double margin) const;
 
   /// Whether they are the two faces of a cut, or of a notch: they face each other at rest, and neither is behind
   /// the other.

@@ -33,6 +33,9 @@ void OuterFaces::follow(const Model& model, std::span<const Index> cells) {
     const bool was_cut = at != cut_cells_.end() && *at == row;
     if (cut && !was_cut) cut_cells_.insert(at, row);
     if (was_cut && !cut) cut_cells_.erase(at);
+    for (Index place = row * most_faces; cut != was_cut && place < (row + 1) * most_faces; ++place) {
+      if (face_of_[place] >= 0) mark(face_of_[place]);
+    }
     const auto corners = solid ? std::span(cell->particles) : std::span<const Index>();
     if (std::ranges::equal(corners, particles_of(row))) continue;
     take_out(row);
@@ -42,23 +45,26 @@ void OuterFaces::follow(const Model& model, std::span<const Index> cells) {
   known_.resize(count);
   next_.resize(count * most_faces);
   face_of_.resize(next_.size());
-  std::vector<Index> places, added;
-  bool fewer = false;
+  const auto first_of = [&](const FaceKey& key) { return std::ranges::lower_bound(outer_, key, {}, &Outer::key); };
+  for (const Index row : changed_) {
+    if (faces_[row].outer) first_of(faces_[row].key)->stale = true;
+  }
+  std::erase_if(outer_, [](const Outer& own) { return own.stale; });
+  const auto kept = static_cast<std::ptrdiff_t>(outer_.size());
+  std::vector<Index> places;
   for (const Index row : changed_) {
     Face& face = faces_[row];
     face.changed = false;
-    const bool outer = is_outer(model, row, places);
-    if (outer && !face.outer) added.push_back(row);
-    fewer = fewer || (face.outer && !outer);
-    face.outer = outer;
+    places_of(row, places);
+    face.outer = is_outer(model, places);
+    if (!face.outer) continue;
+    const Index cell = places[0] / most_faces;
+    const bool is_cut = !model.cells[cell].cuts.empty();
+    outer_.push_back({face.key, ring_at(model, places[0]), row, cell, is_cut, places.size() > 1});
   }
   changed_.clear();
-  const auto key = [&](Index row) { return faces_[row].key; };
-  if (fewer) std::erase_if(outer_, [&](Index row) { return !faces_[row].outer; });
-  std::ranges::sort(added, {}, key);
-  const auto first = static_cast<std::ptrdiff_t>(outer_.size());
-  outer_.insert(outer_.end(), added.begin(), added.end());
-  std::ranges::inplace_merge(outer_, outer_.begin() + first, {}, key);
+  std::ranges::sort(outer_.begin() + kept, outer_.end(), {}, &Outer::key);
+  std::ranges::inplace_merge(outer_, outer_.begin() + kept, {}, &Outer::key);
 }
 
 Index OuterFaces::row_of(const FaceKey& key) {
@@ -116,8 +122,7 @@ void OuterFaces::places_of(Index face, std::vector<Index>& places) const {
   std::ranges::sort(places);
 }
 
-bool OuterFaces::is_outer(const Model& model, Index face, std::vector<Index>& places) const {
-  places_of(face, places);
+bool OuterFaces::is_outer(const Model& model, const std::vector<Index>& places) const {
   if (places.size() < 2) return !places.empty();
   const auto cell = [&](Index place) -> const Cell& { return model.cells[place / most_faces]; };
   const Vec3 centre = cell_centre(cell(places[0]), model.rest);

@@ -20,6 +20,7 @@ namespace phymul {
 struct OuterFace {
   const Cell* cell = nullptr;
   std::array<Index, 4> ring{};  ///< in order, outward in a rightly wound cell; -1 at the end where there are fewer
+  bool is_cut = false;          ///< cuts cross the cell
 };
 
 /// The particles of a face, sorted, those that there are not first: compared as numbers.
@@ -72,15 +73,25 @@ class OuterFaces {
   void each(const Model& model, Visit visit) const {
     std::vector<OuterFace> found;
     std::vector<Index> places;
-    for (const Index row : outer_) {
-      places_of(row, places);
+    for (const Outer& own : outer_) {
       found.clear();
-      for (const Index place : places) {
-        const Cell& cell = model.cells[place / most_faces];
-        found.push_back({&cell, face_particles(model.dimension, cell, static_cast<std::size_t>(place % most_faces))});
+      found.push_back({&model.cells[own.cell], own.ring, own.is_cut});
+      if (own.several) {
+        found.clear();
+        places_of(own.face, places);
+        for (const Index place : places) {
+          const Cell& cell = model.cells[place / most_faces];
+          found.push_back({&cell, ring_at(model, place), !cell.cuts.empty()});
+        }
       }
       visit(std::span<const OuterFace>(found));
     }
+  }
+
+  /// Calls visit(particle) for one particle of each outer face.
+  template <class Visit>
+  void each_place(Visit visit) const {
+    for (const Outer& own : outer_) visit(own.ring[0]);
   }
 
  private:
@@ -92,6 +103,12 @@ class OuterFaces {
     Index first = -1;  // place, and next_ of it, and so on
     bool changed = false, outer = false;
   };
+  struct Outer {
+    FaceKey key;
+    std::array<Index, 4> ring{};
+    Index face = -1, cell = -1;  // rows of faces_ and cells, the first of those that have it
+    bool is_cut = false, several = false, stale = false;
+  };
 
   Index row_of(const FaceKey& key);
   void grow();
@@ -99,14 +116,19 @@ class OuterFaces {
   void put_in(int dimension, const Cell& cell, Index row);
   void mark(Index face);
   void places_of(Index face, std::vector<Index>& places) const;  // ascending
-  bool is_outer(const Model& model, Index face, std::vector<Index>& places) const;
+  bool is_outer(const Model& model, const std::vector<Index>& places) const;
+  static std::array<Index, 4> ring_at(const Model& model, Index place) {
+    return face_particles(model.dimension, model.cells[place / most_faces],
+                          static_cast<std::size_t>(place % most_faces));
+  }
 
   std::vector<Corners> known_;  // [cells]; none: it is not there
   // Place: of a face of a cell, most_faces times the cell's row and the face's number in it.
-  std::vector<Index> next_, face_of_;   // [places] of the same face; rows of faces_; -1: none
-  std::vector<Face> faces_;             // also those that no cell has any more
-  std::vector<Index> table_;            // rows of faces_, by their hashes; -1: free
-  std::vector<Index> changed_, outer_;  // rows of faces_, the latter by their keys
+  std::vector<Index> next_, face_of_;  // [places] of the same face; rows of faces_; -1: none
+  std::vector<Face> faces_;            // also those that no cell has any more
+  std::vector<Index> table_;           // rows of faces_, by their hashes; -1: free
+  std::vector<Index> changed_;         // rows of faces_
+  std::vector<Outer> outer_;           // by their keys
   std::vector<Index> cut_cells_;
 };
 

@@ -112,7 +112,7 @@ std::vector<Facet> facets_of_cells(const Model& model, std::span<const char> cho
   std::vector<Facet> facets;
   std::vector<FaceCut> cuts;
   const auto share_of = [&](const OuterFace& face) {
-    if (face.cell->cuts.empty()) return 1.0;
+    if (!face.is_cut) return 1.0;
     cuts.clear();
     add_cuts_of_face(face.cell->particles, face.cell->cuts, {face.ring[0], face.ring[1], face.ring[2]}, cuts);
     return has_tissue(cuts) ? face_share(cuts) : 0.0;

@@ -72,14 +72,14 @@ class TissueSurfaceBuilder {
 
   TissueSurface build(const OuterFaces& outer) {
     outer.each(model_, [&](std::span<const OuterFace> faces) {
-      for (const OuterFace& face : faces) add_face(*face.cell, face.ring);
+      for (const OuterFace& face : faces) add_face(face);
     });
     const std::vector<Index> walls = walls_beside_cells(model_, outer);
     auto next = walls.begin();
     const auto add_walls_before = [&](Index row) {
       for (; next != walls.end() && *next < row; ++next) {
         const Cell& cell = model_.cells[*next];
-        add_face(cell, {cell.particles[0], cell.particles[1], cell.particles[2], -1});
+        add_face({&cell, {cell.particles[0], cell.particles[1], cell.particles[2], -1}, !cell.cuts.empty()});
       }
     };
     for (const Index row : outer.cut_cells()) {
@@ -91,19 +91,20 @@ class TissueSurfaceBuilder {
   }
 
  private:
-  void add_face(const Cell& cell, const std::array<Index, 4>& ring) {
-    if (cell.cuts.empty()) {  // as of all cells but tetrahedra
+  void add_face(const OuterFace& own) {
+    if (!own.is_cut) {  // as of all cells but tetrahedra
       std::array<Index, 4> corners{};
       std::size_t count = 0;
-      for (const Index i : ring) {
+      for (const Index i : own.ring) {
         if (i >= 0) corners[count++] = vertex(i);
       }
       add_fan(std::span(corners).first(count), false);
       return;
     }
+    const Cell& cell = *own.cell;
     Polygon face;
     for (std::size_t k = 0; k < 3; ++k) {
-      face.emplace_back(Corner::Unit(std::ranges::find(cell.particles, ring[k]) - cell.particles.begin()));
+      face.emplace_back(Corner::Unit(std::ranges::find(cell.particles, own.ring[k]) - cell.particles.begin()));
     }
     for (const CellCut& cut : cell.cuts) clip(cut, face);
     add(cell, face, false);

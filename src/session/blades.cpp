@@ -39,7 +39,8 @@ class EdgeNow {
         position_(position),
         spacing_(edit.spacing()),
         place_(position.size(), Vec3::Constant(NAN)),
-        distance_(position.size(), NAN) {
+        distance_(position.size(), NAN),
+        beyond_(position.size(), unknown) {
     const ToolFrame before(last);
     for (const double share : {-0.5, 0.0, 0.5}) {
       const Vec3 edge = curve_.unrolled(frame_.inside(before.outside(curve_.at(share * curve_.length()))));
@@ -55,7 +56,7 @@ class EdgeNow {
     const ToolExtent extent = extent_of({.shape = edge});
     // A place in a tetrahedron is within sqrt(3/8) of its longest edge of a corner (Jung's theorem); the rest of the
     // edge is for cells that are stretched.
-    const double around = edit_.longest_edge(), off = same_front * spacing_;
+    const double around = edit_.longest_edge();
     const Vec3 low = extent.low.array() - around, high = extent.high + Vec3(around, around, behind_ + around);
     const Vec3 middle = frame_.outside(0.5 * (low + high));
     const double reach = 0.5 * (high - low).norm();
@@ -66,24 +67,17 @@ class EdgeNow {
       const Vec3 q = frame_.inside(position_[i]);
       if ((q.array() < low.array()).any() || (q.array() > high.array()).any()) continue;
       for (const Index row : edit_.cells_of()[i]) {
+        if (std::exchange(seen[row], 1) != 0) continue;
         const Cell& cell = model_.cells[row];
-        if (std::exchange(seen[row], 1) != 0 || cell.share == 0.0) continue;
-        const auto between = [&](double least, double most, const auto& of) {
-          double first = HUGE_VAL, last = -HUGE_VAL;
-          for (const Index k : cell.particles) {
-            const double value = of(k);
-            first = std::min(first, value);
-            last = std::max(last, value);
-          }
-          return first <= most && last >= least;
-        };
-        // First without the cuts around, which can move it by so much.
-        if (between(-off, off, [&](Index k) { return place(k).y(); }) &&
-            between(-0.5 * curve_.length(), 0.5 * curve_.length(), [&](Index k) { return place(k).x(); }) &&
-            between(-lead_of_front * spacing_, behind_, [&](Index k) { return place(k).z(); }) && !is_cut_here(cell) &&
-            between(0.0, 0.0, [&](Index k) { return distance(k); })) {
-          found.push_back(row);
+        unsigned beyond = unknown;  // sides that all its particles are beyond
+        for (const Index k : cell.particles) beyond &= sides_beyond(k);
+        if (beyond != 0 || cell.share == 0.0 || is_cut_here(cell)) continue;
+        double first = HUGE_VAL, last = -HUGE_VAL;
+        for (const Index k : cell.particles) {
+          first = std::min(first, distance(k));
+          last = std::max(last, distance(k));
         }
+        if (first <= 0.0 && last >= 0.0) found.push_back(row);
       }
     }
     std::ranges::sort(found);
@@ -108,6 +102,17 @@ class EdgeNow {
   const Vec3& place(Index i) const {
     if (std::isnan(place_[i].x())) place_[i] = curve_.unrolled(frame_.inside(position_[i]));
     return place_[i];
+  }
+
+  /// Of the box that cells must reach into, one bit a side. Without the cuts around, which can move the plane by a few
+  /// spacings.
+  unsigned sides_beyond(Index i) const {
+    if (beyond_[i] != unknown) return beyond_[i];
+    const Vec3 low(-0.5 * curve_.length(), -same_front * spacing_, -lead_of_front * spacing_);
+    const Vec3 high(0.5 * curve_.length(), same_front * spacing_, behind_);
+    unsigned sides = 0;
+    for (int a = 0; a < 3; ++a) sides |= (place(i)[a] < low[a] ? 1U : 0U) << a | (place(i)[a] > high[a] ? 8U : 0U) << a;
+    return beyond_[i] = static_cast<unsigned char>(sides);
   }
 
   /// Whether tissue at this place has got all the force that it can bear; or the edge has gone by and holds none there,
@@ -196,9 +201,11 @@ class EdgeNow {
   const ToolFrame frame_;
   const VecList& position_;  // [N] m
   const double spacing_;
-  double behind_ = 0.0;                   // m, that the edge may have gone since the last time
-  mutable VecList place_;                 // [N] m, NaN: not asked for yet
-  mutable std::vector<double> distance_;  // [N] m, likewise
+  double behind_ = 0.0;  // m, that the edge may have gone since the last time
+  static constexpr unsigned char unknown = 0xff;
+  mutable VecList place_;                      // [N] m, NaN: not asked for yet
+  mutable std::vector<double> distance_;       // [N] m, likewise
+  mutable std::vector<unsigned char> beyond_;  // [N] sides_beyond()
 };
 
 }  // namespace

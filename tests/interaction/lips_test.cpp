@@ -142,17 +142,22 @@ TEST(Lips, AreTheTwoFacesOfOneCut) {
   EXPECT_EQ(met, of_cuts);
 }
 
-/// Nor have other surfaces of bodies with cuts, between each other.
+/// Nor have other surfaces of bodies with cuts, between each other, but for walls: as far as they are apart at rest.
 TEST(Lips, HaveNoSkin) {
   ContactSurface surface;
+  surface.rest = {{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {1, 1, 0.1}};
   const ContactSurface::Particle cut{.body = 0, .edge = 2.0}, whole{.body = 1, .edge = 2.0};
-  const ContactSurface::Triangle triangle{.body = 0, .edge = 3.0};
-  EXPECT_DOUBLE_EQ(surface.skins(cut, triangle, 0.0), 0.5);
-  EXPECT_DOUBLE_EQ(surface.skins(cut, triangle, 0.2), 0.4);
+  const ContactSurface::Triangle triangle{.corner = {0, 1, 2}, .body = 0, .edge = 3.0, .has_inside = true};
+  ContactSurface::Triangle wall = triangle;
+  wall.has_inside = false;
+  EXPECT_DOUBLE_EQ(surface.skins(cut, 3, triangle, 0.0), 0.5);
+  EXPECT_DOUBLE_EQ(surface.skins(cut, 3, triangle, 0.2), 0.4);
   surface.is_cut = {1, 0};
-  EXPECT_EQ(surface.skins(cut, triangle, 0.0), 0.0);
-  EXPECT_EQ(surface.skins(cut, triangle, 0.2), 0.0);
-  EXPECT_DOUBLE_EQ(surface.skins(whole, triangle, 0.0), 0.5);
+  EXPECT_EQ(surface.skins(cut, 3, triangle, 0.0), 0.0);
+  EXPECT_EQ(surface.skins(cut, 3, triangle, 0.2), 0.0);
+  EXPECT_DOUBLE_EQ(surface.skins(cut, 3, wall, 0.0), 0.1);
+  EXPECT_DOUBLE_EQ(surface.skins(cut, 3, wall, 0.04), 0.08);
+  EXPECT_DOUBLE_EQ(surface.skins(whole, 3, triangle, 0.0), 0.5);
 }
 
 /// A freed piece touches the organ that it came from, rim and cut faces included.

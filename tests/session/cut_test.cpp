@@ -9,7 +9,7 @@
 #include <numeric>
 #include <random>
 
-#include "model/outer_faces.h"
+#include "interaction/contact_surface.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -75,19 +75,6 @@ TEST(Cut, LeavesTheTablesOfABodyBuiltAnew) {
   }
 }
 
-/// In order, each by the particles of the cells that have it and by their rows.
-std::vector<std::array<Index, 6>> list_of(const OuterFaces& outer, const Model& model) {
-  std::vector<std::array<Index, 6>> list;
-  outer.each(model, [&](std::span<const OuterFace> faces) {
-    for (const OuterFace& face : faces) {
-      const auto& [a, b, c, d] = face.ring;
-      list.push_back(
-          {static_cast<Index>(faces.size()), static_cast<Index>(face.cell - model.cells.data()), a, b, c, d});
-    }
-  });
-  return list;
-}
-
 /// Strokes, removals and returns in any order.
 struct RandomEdits {
   Simulation& sim;
@@ -120,13 +107,16 @@ void edit_at_random(int edits) {
   set_material(model, {5e3, 0.4, 1000.0});
   Simulation sim(with_spare_particles(model, 900), options_for("reference"));
   RandomEdits random{sim};
-  OuterFaces outer;
+  FollowedSurface surface;
   for (int edit = 1; edit <= edits; ++edit) {
     ASSERT_NO_FATAL_FAILURE(random.make_one());
-    if (edit % 3 == 0) outer.follow(sim.model());
+    if (edit % 3 != 0) surface.of(sim.scene());
     if (edit % (edits / 100) != 0) continue;
-    outer.follow(sim.model());
-    ASSERT_EQ(list_of(outer, sim.model()), list_of(OuterFaces(sim.model()), sim.model())) << edit;
+    const std::shared_ptr<const ContactSurface> followed = surface.of(sim.scene());
+    const ContactSurface fresh = make_contact_surface(sim.model());
+    ASSERT_TRUE(followed->body_of == fresh.body_of && followed->rest == fresh.rest) << edit;
+    constexpr auto corner = &ContactSurface::Triangle::corner;
+    ASSERT_TRUE(std::ranges::equal(followed->triangles, fresh.triangles, {}, corner, corner)) << edit;
     ASSERT_LT(difference_of_forces(sim.solver().topology(), built_anew(sim), sim.model()), 1e-12) << edit;
     validate(sim.model());
   }

@@ -114,6 +114,24 @@ TEST(WallCutScene, HalvesTouch) {
   for (Index i = 0; i < lying.particle_count(); ++i) EXPECT_GT(state.position[i].z(), 0.0095) << i;
 }
 
+TEST(WallCutScene, SheetsWithSlitsLieOnEachOther) {
+  const Model low = sheet(10);
+  Model high = sheet(7);
+  for (Vec3& x : high.rest) x = 0.61 * x + Vec3(0.0203, 0.0187, 0.004);
+  Simulation sim(with_spare_particles(merged({{"low", &low}, {"high", &high}}), 100), without_material("cpu"));
+  sim.scene().gravity({0, 0, -9.81}).contacts({});
+  sim.scene().fix(sim.model().particles_in([](const Vec3& x) { return x.z() < 1e-9; }));
+  for (const bool lower : {true, false}) {
+    CutSurface slit = cut_plane({lower ? 0.092 : 0.051, 0.0, 0.0}, {1.0, 0.1, 0.0});
+    slit.front = [](const Vec3& x) { return 0.04 - x.y(); };
+    slit.distance = [lower, all = slit.distance](const Vec3& x) { return (x.z() < 0.002) == lower ? all(x) : 1.0; };
+    ASSERT_TRUE(sim.cut(slit));
+  }
+  ASSERT_TRUE(sim.advance(0.2).ok());
+  const State state = sim.solver().read();
+  for (Index i = 0; i < high.particle_count(); ++i) EXPECT_GT(state.position[low.particle_count() + i].z(), 0.0) << i;
+}
+
 TEST(WallCutScene, BladeCutsASheet) {
   for (const char* backend : {"reference", "cpu"}) {
     SCOPED_TRACE(backend);
