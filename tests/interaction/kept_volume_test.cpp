@@ -321,5 +321,24 @@ TEST(KeptVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
   }
 }
 
+/// Also in a simulation, which reads a state before.
+TEST(KeptVolume, PushesFullyInTheFirstStep) {
+  const Model model = soft_block();
+  Scene scene = Scene(model).constrain_volume();
+  scene.set_fluid("volume 1", {.law = FluidLaw::gas, .outer_pressure = 1e4});
+  scene.set_volume("volume 1", 1.05 * scene.volume_constraints()[0].volume);
+  const VolumeConstraint gas = scene.volume_constraints()[0];
+  const auto solver = make_solver("reference", model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  solver->start(rest_state(model), dt);
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  Simulation sim(model, {.backend = "reference"});
+  sim.scene().constrain_volume(gas);
+  ASSERT_TRUE(sim.step(1, dt).ok());
+  const double way = displacement_norms(model, solver->read()).max;
+  EXPECT_GT(way, 0.0);
+  EXPECT_NEAR(sim.max_displacement(), way, 1e-9 * way);
+}
+
 }  // namespace
 }  // namespace phymul
