@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "interaction/contact_surface.h"
+#include "model/enclosed_volume.h"
 #include "support/cut_walls.h"
 #include "support/message_of.h"
 
@@ -96,6 +97,33 @@ TEST(WallCutScene, OpensABag) {
   ASSERT_TRUE(sim.cut(slit));
   EXPECT_TRUE(sim.scene().any_volume_open());
   EXPECT_TRUE(sim.advance(0.05).ok());
+}
+
+/// Where a cut was undone there is no tissue around what its copies held.
+TEST(WallCutScene, UndoneCopiesHoldNoFluid) {
+  Simulation sim(with_spare_particles(slab_in_capsule(), 300), without_material("cpu"));
+  const Snapshot whole = sim.snapshot();
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0.0, 0.0}, {1.0, 0.2, 0.1})));
+  const Index copy = sim.cuts().back()->copies.front().particle;
+  const auto cell = std::ranges::find_if(sim.model().cells, [&](const Cell& one) {
+    return one.type == CellType::tetrahedron && std::ranges::find(one.particles, copy) != one.particles.end();
+  });
+  ASSERT_NE(cell, sim.model().cells.end());
+  const auto& p = cell->particles;
+  VolumeConstraint filled{.triangles = {{p[0], p[2], p[1]}, {p[0], p[1], p[3]}, {p[1], p[2], p[3]}, {p[2], p[0], p[3]}},
+                          .volume = 0.0,
+                          .applied_to = {}};
+  filled.volume = 1.1 * enclosed_volume(filled.triangles, sim.model().rest);
+  sim.scene().constrain_volume(filled);
+  const Snapshot parted = sim.snapshot();
+  ASSERT_TRUE(sim.advance(0.001).ok());
+  EXPECT_FALSE(sim.scene().is_open(0));
+  sim.restore(whole);
+  EXPECT_TRUE(sim.scene().is_open(0));
+  ASSERT_TRUE(sim.advance(0.001).ok());
+  EXPECT_LT(sim.max_displacement(), 1e-9);
+  sim.restore(parted);
+  EXPECT_FALSE(sim.scene().is_open(0));
 }
 
 /// The halves of a cut sheet are bodies that touch others and each other.
