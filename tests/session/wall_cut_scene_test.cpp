@@ -126,6 +126,26 @@ TEST(WallCutScene, UndoneCopiesHoldNoFluid) {
   EXPECT_FALSE(sim.scene().is_open(0));
 }
 
+TEST(WallCutScene, TheAxisOfARotationStays) {
+  Simulation sim(with_spare_particles(sheet(), 100), without_material("reference"));
+  const std::vector<Index> end = sim.model().particles_in([](const Vec3& x) { return x.x() > 0.08; });
+  sim.scene().add({.type = LoadType::rotation, .particles = end, .events = {{0.0, 0.5}}, .direction = {1, 0, 0}});
+  const auto targets = [&] {
+    LoadFrame frame;
+    sim.scene().prepare(frame);
+    sim.scene().evaluate(0.0, frame);
+    return frame.target;
+  };
+  const VecList before = targets();
+  CutSurface slit = cut_plane({0.0, 0.03, 0.0}, {0.1, 1.0, 0.0});
+  slit.front = [](const Vec3& x) { return 0.07 - x.x(); };
+  ASSERT_TRUE(sim.cut(slit));
+  ASSERT_GT(sim.scene().loads()[0].particles.size(), end.size());
+  const VecList after = targets();
+  for (const Index i : end) EXPECT_LT((after[i] - before[i]).norm(), 1e-15) << i;
+  for (const BodyCut::Copy& copy : sim.cuts().back()->copies) EXPECT_EQ(after[copy.particle], after[copy.of]);
+}
+
 /// The halves of a cut sheet are bodies that touch others and each other.
 TEST(WallCutScene, HalvesTouch) {
   Model lying = sheet(10);
