@@ -340,5 +340,29 @@ TEST(KeptVolume, PushesFullyInTheFirstStep) {
   EXPECT_NEAR(sim.max_displacement(), way, 1e-9 * way);
 }
 
+/// The volumes of a replay are in the scene's order, also where some were removed and put in again.
+TEST(KeptVolume, IsRecordedInOrder) {
+  const Model a = soft_block(), b = moved(a, {0.1, 0, 0}), c = moved(a, {0.2, 0, 0});
+  const Model all = merge_models(std::vector<NamedBody>{{"a", &a}, {"b", &b}, {"c", &c}});
+  Scene scene = Scene(all).constrain_volume("a").constrain_volume("b").constrain_volume("c");
+  const std::vector<VolumeConstraint> kept = scene.volume_constraints();
+  const auto recorded = make_solver("reference", all, scene);
+  Recorder recorder(*recorded, scene);
+  const double dt = 0.3 * recorded->stable_step();
+  for (const std::vector<int>& rows : {std::vector<int>{1}, {0, 2}, {1, 0}}) {
+    recorder.step(2, dt);
+    for (const int row : rows) {
+      scene.remove_volume(kept[row].name);
+      scene.constrain_volume(kept[row]);
+    }
+    recorder.step(2, dt);
+    recorder.checkpoint();
+    Scene again(all);
+    const auto replayed = make_solver("reference", all, again);
+    EXPECT_EQ(message_of([&] { Replay(recorder.recording(), *replayed, again).run(); }), "(no error)");
+    EXPECT_EQ(replayed->snapshot(), recorded->snapshot());
+  }
+}
+
 }  // namespace
 }  // namespace phymul
