@@ -63,7 +63,8 @@ void change_fields(Bytes& bytes, Change& change) {
 
 void put_volumes(ByteWriter& out, const Scene& scene, std::span<const VolumeConstraint> before) {
   std::vector<VolumeChange> all;
-  auto first = before.begin();  // of those after it: new ones stand last, also one that was removed and put in again
+  // Known ones keep their order. A new one stands behind them, also one that was removed and put in again.
+  auto first = before.begin();
   for (const VolumeConstraint& kept : scene.volume_constraints()) {
     const auto known = std::find_if(first, before.end(), [&](const auto& other) { return other.name == kept.name; });
     VolumeChange& change = all.emplace_back();
