@@ -15,7 +15,8 @@ namespace phymul {
 
 /// Effect of a load with value v and unit direction u (from Load::direction or Load::toward):
 /// - translation: coordinates along driven axes are imposed at rest + v u, along held axes at rest; free axes move.
-/// - rotation: positions are imposed at the rest positions, rotated by v rad about the axis u through their centroid.
+/// - rotation: positions are imposed at the rest positions, rotated by v rad about the axis u through their centroid,
+///   which does not count copies that a cut made of them.
 /// - force: v u newtons on each particle.
 /// - pressure: v pascals on each surface facet whose particles are all listed. The force, rest area times v, acts along
 ///   u, or inward if there is no direction, and is divided evenly among the facet's particles. Surface facets are the

@@ -61,7 +61,7 @@ struct SolverOptions {
   /// infinity.
   std::optional<double> sleep_tolerance{};
   /// Local time steps: parts that need a shorter step than the rest do not limit the step of the whole body. >= 1; 1:
-  /// off. Backends "reference" and "cpu", bodies with a material (Law::particle_averaged) and without walls.
+  /// off. Backends "reference" and "cpu", bodies with a material (Law::particle_averaged); with walls joints alone.
   /// - Materials that are stiffer, such as a tumour in soft tissue, take up to this many substeps within each step
   ///   (Solver::substeps), unless a material dissipates. Vibrations inside them that are faster than the step are
   ///   slowed down, as by a larger mass, which Solver::energy() does not count.

@@ -75,9 +75,12 @@ void KeptVolumes::reset(const Scene& scene, const State& state) {
   }
 }
 
+/// Without an entry a fluid begins as before its first step.
 void KeptVolumes::read(State& state) const {
-  state.fluids.resize(surfaces_.size());
-  for (std::size_t row = 0; row < surfaces_.size(); ++row) state.fluids[row] = surfaces_[row].now;
+  state.fluids.clear();
+  for (const Surface& surface : surfaces_) {
+    if (surface.has_pressure) state.fluids.push_back(surface.now);
+  }
 }
 
 const FluidState& KeptVolumes::fluid(const VolumeConstraint& wanted) const {

@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "base/decimal.h"
 #include "load_types.h"
@@ -171,8 +172,13 @@ Scene::Action Scene::accepted(Load& load) const {
 }
 
 Scene::Action Scene::prepared_rotation(const Load& load, Action action) const {
+  // A cut leaves the axis where it is: copies of particles of the load do not count.
+  std::vector<Index> counted = action.particles;
+  for (const auto& [copy, of, shared] : copies_) {
+    if (std::ranges::binary_search(action.particles, of)) std::erase(counted, copy);
+  }
   Vec3 centroid = Vec3::Zero();
-  for (const Index i : action.particles) centroid += model_->rest[i] / static_cast<double>(action.particles.size());
+  for (const Index i : counted) centroid += model_->rest[i] / static_cast<double>(counted.size());
   for (const Index i : action.particles) action.unit.push_back(model_->rest[i] - centroid);
   action.axis = unit_direction(load, centroid);
   action.imposed = all_axes;
@@ -289,19 +295,19 @@ Scene& Scene::clear() {
 /// What is imposed on a particle, an acceleration and a pressure are on all of its tissue. A force stays at the
 /// particle, also while this is no copy, but not where it becomes one of another.
 void Scene::follow_copies(const BodyCuts& cuts) {
-  std::vector<BodyCut::Copy> now;
-  for (const auto& cut : cuts) now.insert(now.end(), cut->copies.begin(), cut->copies.end());
-  const auto stays = std::ranges::mismatch(copies_, now);
+  const std::vector<BodyCut::Copy> before = std::exchange(copies_, {});
+  for (const auto& cut : cuts) copies_.insert(copies_.end(), cut->copies.begin(), cut->copies.end());
+  const auto stays = std::ranges::mismatch(before, copies_);
   std::map<Index, Index> were;  // what particles copied that are no copies any more
   for (const BodyCut::Copy& copy : undone_copies_) were[copy.particle] = copy.of;
-  for (auto old = stays.in1; old != copies_.end(); ++old) were[old->particle] = old->of;
+  for (auto old = stays.in1; old != before.end(); ++old) were[old->particle] = old->of;
   for (std::size_t row = 0; row < loads_.size(); ++row) {
     const bool on_all = loads_[row].type != LoadType::force;
     std::vector<Index>& particles = loads_[row].particles;
-    const std::size_t before = particles.size();
-    for (auto old = stays.in1; on_all && old != copies_.end(); ++old) std::erase(particles, old->particle);
-    bool changed = particles.size() != before;
-    for (auto added = stays.in2; added != now.end(); ++added) {
+    const std::size_t count = particles.size();
+    for (auto old = stays.in1; on_all && old != before.end(); ++old) std::erase(particles, old->particle);
+    bool changed = particles.size() != count;
+    for (auto added = stays.in2; added != copies_.end(); ++added) {
       const auto was = were.find(added->particle);
       const bool is_another = was != were.end() && was->second != added->of;
       if (!on_all && is_another) changed = std::erase(particles, added->particle) > 0 || changed;
@@ -311,10 +317,9 @@ void Scene::follow_copies(const BodyCuts& cuts) {
     }
     if (changed) actions_[row] = prepared(loads_[row]);
   }
-  for (const BodyCut::Copy& copy : now) were.erase(copy.particle);
+  for (const BodyCut::Copy& copy : copies_) were.erase(copy.particle);
   undone_copies_.clear();
   for (const auto& [particle, of] : were) undone_copies_.push_back({particle, of});
-  copies_ = std::move(now);
 }
 
 void Scene::body_changed(const BodyCuts& cuts, std::vector<Index> cells) {

@@ -107,7 +107,7 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
 }  // namespace
 
 /// A triangle that had a cell, and has none that is left, opens its volume. Lids of tubes never had one. Where a cell
-/// was cut its parts have copies in place of its particles.
+/// was cut its parts have copies in place of its particles. Where the cut was undone copies have no mass.
 void Scene::find_open_volumes() {
   open_volumes_.assign(volume_constraints_.size(), 0);
   if (open_volumes_.empty()) return;
@@ -143,7 +143,8 @@ void Scene::find_open_volumes() {
     }
   }
   for (const Side& side : sides) {
-    if (side.had_cell && !side.has_cell) open_volumes_[side.volume] = 1;
+    const bool gone = std::ranges::any_of(side.corner, [&](Index i) { return model_->mass[i] == 0.0; });
+    if (gone || (side.had_cell && !side.has_cell)) open_volumes_[side.volume] = 1;
   }
 }
 

@@ -63,12 +63,15 @@ void change_fields(Bytes& bytes, Change& change) {
 
 void put_volumes(ByteWriter& out, const Scene& scene, std::span<const VolumeConstraint> before) {
   std::vector<VolumeChange> all;
+  // Known ones keep their order. A new one stands behind them, also one that was removed and put in again.
+  auto first = before.begin();
   for (const VolumeConstraint& kept : scene.volume_constraints()) {
-    const auto known = std::ranges::find(before, kept.name, &VolumeConstraint::name);
+    const auto known = std::find_if(first, before.end(), [&](const auto& other) { return other.name == kept.name; });
     VolumeChange& change = all.emplace_back();
     change.kept = {kept};
     change.is_new = known == before.end() || known->triangles != kept.triangles;
     change.is_set = !change.is_new && known->changes != kept.changes;
+    first = change.is_new ? before.end() : known + 1;
     if (!change.is_new) change.kept.front().triangles.clear();
   }
   out.list(std::as_const(all), 0, "", [&](const VolumeChange& change) { change_fields(out, change); });

@@ -321,5 +321,48 @@ TEST(KeptVolume, OfWhatIsHeldWholeIsLostOnlyWhereItChanges) {
   }
 }
 
+/// Also in a simulation, which reads a state before.
+TEST(KeptVolume, PushesFullyInTheFirstStep) {
+  const Model model = soft_block();
+  Scene scene = Scene(model).constrain_volume();
+  scene.set_fluid("volume 1", {.law = FluidLaw::gas, .outer_pressure = 1e4});
+  scene.set_volume("volume 1", 1.05 * scene.volume_constraints()[0].volume);
+  const VolumeConstraint gas = scene.volume_constraints()[0];
+  const auto solver = make_solver("reference", model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  solver->start(rest_state(model), dt);
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  Simulation sim(model, {.backend = "reference"});
+  sim.scene().constrain_volume(gas);
+  ASSERT_TRUE(sim.step(1, dt).ok());
+  const double way = displacement_norms(model, solver->read()).max;
+  EXPECT_GT(way, 0.0);
+  EXPECT_NEAR(sim.max_displacement(), way, 1e-9 * way);
+}
+
+/// The volumes of a replay are in the scene's order, also where some were removed and put in again.
+TEST(KeptVolume, IsRecordedInOrder) {
+  const Model a = soft_block(), b = moved(a, {0.1, 0, 0}), c = moved(a, {0.2, 0, 0});
+  const Model all = merge_models(std::vector<NamedBody>{{"a", &a}, {"b", &b}, {"c", &c}});
+  Scene scene = Scene(all).constrain_volume("a").constrain_volume("b").constrain_volume("c");
+  const std::vector<VolumeConstraint> kept = scene.volume_constraints();
+  const auto recorded = make_solver("reference", all, scene);
+  Recorder recorder(*recorded, scene);
+  const double dt = 0.3 * recorded->stable_step();
+  for (const std::vector<int>& rows : {std::vector<int>{1}, {0, 2}, {1, 0}}) {
+    recorder.step(2, dt);
+    for (const int row : rows) {
+      scene.remove_volume(kept[row].name);
+      scene.constrain_volume(kept[row]);
+    }
+    recorder.step(2, dt);
+    recorder.checkpoint();
+    Scene again(all);
+    const auto replayed = make_solver("reference", all, again);
+    EXPECT_EQ(message_of([&] { Replay(recorder.recording(), *replayed, again).run(); }), "(no error)");
+    EXPECT_EQ(replayed->snapshot(), recorded->snapshot());
+  }
+}
+
 }  // namespace
 }  // namespace phymul

@@ -109,6 +109,18 @@ TEST(PmlBodies, ADensityGivesMasses) {
   EXPECT_EQ(reread(model), model);
 }
 
+/// A part of a cut wall weighs its share.
+TEST(PmlBodies, ADensityGivesMassesOfPartsOfWalls) {
+  std::string text = pml_text(
+      tetrahedron_atoms, {cell_text("TRIANGLE", {0, 1, 2}, "phymul=\"share=0.25\""), cell_text("TRIANGLE", {0, 1, 3})});
+  text = replaced(text, "name=\"Elements\"",
+                  "name=\"wall\" bodyType=\"FEM\" young=\"1e3\" poisson=\"0.3\" density=\"1200\" thickness=\"1e-3\"");
+  const Model model = read_pml_text(text, "t.pml");
+  const double third = 1200.0 * 1e-3 * 0.5e-6 / 3.0;
+  EXPECT_NEAR(model.mass[2], 0.25 * third, 1e-9 * third);
+  EXPECT_NEAR(model.mass[3], third, 1e-9 * third);
+}
+
 TEST(PmlBodies, OnlySolidsHaveAMaterial) {
   const std::string text =
       replaced(text_of(hanging), "bodyType=\"stiffSpring\"", "bodyType=\"stiffSpring\" young=\"5\" poisson=\"0.3\"");

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "interaction/contact_surface.h"
+#include "model/enclosed_volume.h"
 #include "support/cut_walls.h"
 #include "support/message_of.h"
 
@@ -96,6 +97,53 @@ TEST(WallCutScene, OpensABag) {
   ASSERT_TRUE(sim.cut(slit));
   EXPECT_TRUE(sim.scene().any_volume_open());
   EXPECT_TRUE(sim.advance(0.05).ok());
+}
+
+/// Where a cut was undone there is no tissue around what its copies held.
+TEST(WallCutScene, UndoneCopiesHoldNoFluid) {
+  Simulation sim(with_spare_particles(slab_in_capsule(), 300), without_material("cpu"));
+  const Snapshot whole = sim.snapshot();
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0.0, 0.0}, {1.0, 0.2, 0.1})));
+  const Index copy = sim.cuts().back()->copies.front().particle;
+  const auto cell = std::ranges::find_if(sim.model().cells, [&](const Cell& one) {
+    return one.type == CellType::tetrahedron && std::ranges::find(one.particles, copy) != one.particles.end();
+  });
+  ASSERT_NE(cell, sim.model().cells.end());
+  const auto& p = cell->particles;
+  VolumeConstraint filled{.triangles = {{p[0], p[2], p[1]}, {p[0], p[1], p[3]}, {p[1], p[2], p[3]}, {p[2], p[0], p[3]}},
+                          .volume = 0.0,
+                          .applied_to = {}};
+  filled.volume = 1.1 * enclosed_volume(filled.triangles, sim.model().rest);
+  sim.scene().constrain_volume(filled);
+  const Snapshot parted = sim.snapshot();
+  ASSERT_TRUE(sim.advance(0.001).ok());
+  EXPECT_FALSE(sim.scene().is_open(0));
+  sim.restore(whole);
+  EXPECT_TRUE(sim.scene().is_open(0));
+  ASSERT_TRUE(sim.advance(0.001).ok());
+  EXPECT_LT(sim.max_displacement(), 1e-9);
+  sim.restore(parted);
+  EXPECT_FALSE(sim.scene().is_open(0));
+}
+
+TEST(WallCutScene, TheAxisOfARotationStays) {
+  Simulation sim(with_spare_particles(sheet(), 100), without_material("reference"));
+  const std::vector<Index> end = sim.model().particles_in([](const Vec3& x) { return x.x() > 0.08; });
+  sim.scene().add({.type = LoadType::rotation, .particles = end, .events = {{0.0, 0.5}}, .direction = {1, 0, 0}});
+  const auto targets = [&] {
+    LoadFrame frame;
+    sim.scene().prepare(frame);
+    sim.scene().evaluate(0.0, frame);
+    return frame.target;
+  };
+  const VecList before = targets();
+  CutSurface slit = cut_plane({0.0, 0.03, 0.0}, {0.1, 1.0, 0.0});
+  slit.front = [](const Vec3& x) { return 0.07 - x.x(); };
+  ASSERT_TRUE(sim.cut(slit));
+  ASSERT_GT(sim.scene().loads()[0].particles.size(), end.size());
+  const VecList after = targets();
+  for (const Index i : end) EXPECT_LT((after[i] - before[i]).norm(), 1e-15) << i;
+  for (const BodyCut::Copy& copy : sim.cuts().back()->copies) EXPECT_EQ(after[copy.particle], after[copy.of]);
 }
 
 /// The halves of a cut sheet are bodies that touch others and each other.

@@ -118,6 +118,29 @@ TEST_P(StiffJointsOn, BreakByTheForcesThatTheBodyGets) {
   }
 }
 
+/// A capsule excludes substeps, but not that joints are solved: they rest where explicit ones do.
+TEST(StiffJoints, DoNotSetTheStepOfABodyInACapsule) {
+  Model model = with_material(make_block(Vec3::Constant(block_edge), 3, 3, 3), {5e3, 0.45, 1000.0});
+  add_capsule(model, {.young = 100e3, .poisson = 0.45, .density = 1050.0, .thickness = 0.2e-3});
+  Joint joint{.springs = {}, .stiffness = 3e4};
+  for (const Index i : model.group("z1")) {
+    joint.springs.push_back({at_particle(i), at_world(model.rest[i]), 0.0});
+  }
+  std::vector<State> at_rest;
+  std::vector<double> step;
+  for (const int substeps : {1, 8}) {
+    Simulation sim(model, {.backend = "cpu", .solver = {.max_substeps = substeps}});
+    sim.scene().gravity({0, 0, -9.81}).add_joint("lock", joint);
+    step.push_back(sim.solver().stable_step());
+    const RestResult rest = sim.run_to_rest();
+    ASSERT_TRUE(rest.converged()) << rest.message();
+    at_rest.push_back(sim.solver().read());
+  }
+  EXPECT_GT(step[1], 10.0 * step[0]);
+  EXPECT_LT(largest_distance(at_rest[0].position, at_rest[1].position),
+            1e-3 * largest_distance(at_rest[0].position, model.rest));
+}
+
 /// SolverOptions::max_displacement_per_step limits what they are solved with.
 TEST(StiffJoints, AreTheSameWhileForcesAreClamped) {
   std::vector<State> after;

@@ -12,10 +12,7 @@ namespace {
 
 /// m^3 (2-D: m^2), however the cell is wound.
 double measure(const Model& model, const Cell& cell) {
-  if (is_wall(model, cell)) {
-    return model.materials[cell.material].thickness * area_vector(cell.particles, model.rest).norm();
-  }
-  return is_solid(model.dimension, cell.type) ? std::abs(signed_measure(model.dimension, cell, model.rest)) : 0.0;
+  return std::abs(tissue_volume(model, cell));
 }
 
 /// Of each vertex of the cell.
