@@ -196,7 +196,7 @@ double ByteSource::real(NumberType type, const char* what) {
     const std::string_view digits = without_plus(text);
     const auto [end, problem] = number_from_chars(digits.data(), digits.data() + digits.size(), value);
     // Underflow is no mistake of the file's: 1e-400 is zero.
-    const bool tiny = problem == std::errc::result_out_of_range && digits.find("e-") != std::string_view::npos;
+    const bool tiny = problem == std::errc::result_out_of_range && underflows(digits);
     if (tiny) value = 0.0;
     if ((problem != std::errc() && !tiny) || end != digits.data() + digits.size()) {
       fail(std::string("expected ") + what + " (a number with a decimal point), got " + cited(text) +

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdio>
+#include <limits>
 
 #include "byte_source.h"
 #include "files.h"
@@ -57,6 +58,10 @@ void ByteWriter::vectors(const VecList& list) {
 }
 
 void ByteWriter::text(std::string_view text) {
+  if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error(ErrorCode::not_supported,
+                "expected less than 4 GiB in one part of a file, got " + std::to_string(text.size()) + " bytes");
+  }
   u32(static_cast<std::uint32_t>(text.size()));
   bytes_.append(text);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "decimal.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -23,6 +24,7 @@ std::optional<Number> parse_whole(std::string_view text) {
   Number value{};
   const char* const end = text.data() + text.size();
   const auto [rest, problem] = number_from_chars(text.data(), end, value);
+  if (problem == std::errc::result_out_of_range && rest == end && underflows(text)) return Number{};
   if (problem != std::errc{} || rest != end) return std::nullopt;
   return value;
 }
@@ -34,6 +36,16 @@ std::string_view trim(std::string_view text) {
   const std::size_t first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+bool underflows(std::string_view number) {
+  const std::size_t mark = std::min(number.find_first_of("eE"), number.size());
+  const std::string_view mantissa = number.substr(0, mark), power = number.substr(std::min(mark + 1, number.size()));
+  const std::optional<std::int64_t> exponent = parse_integer(power);
+  if (!exponent && !power.empty()) return power.starts_with('-');
+  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+  const std::size_t first = std::min(mantissa.find_first_of("123456789"), mantissa.size());
+  return exponent.value_or(0) < static_cast<std::int64_t>(first) - static_cast<std::int64_t>(point);
 }
 
 std::optional<double> parse_decimal(std::string_view text) {

@@ -15,9 +15,12 @@ namespace phymul {
 std::string_view trim(std::string_view text);
 
 /// The number that the whole of the text spells; blanks around it and a leading plus are allowed. None where anything
-/// is left over, or where it is not finite or out of the range of the type.
+/// is left over, or where it is not finite or beyond the range of the type; too small for a double: 0.
 std::optional<double> parse_decimal(std::string_view text);
 std::optional<std::int64_t> parse_integer(std::string_view text);
+
+/// Whether a number that is out of the range of doubles, as spelt there, is too small for them: it is 0 then.
+bool underflows(std::string_view number);
 
 /// Appends the shortest text that parse_decimal reads back as the same number.
 void append_decimal(std::string& out, double value);

@@ -166,6 +166,7 @@ Scene& Scene::constrain_volume(VolumeConstraint surface) & {
   ++next_volume_;
   surface.changes = ++volume_changes_;
   volume_constraints_.push_back(std::move(surface));
+  if (body_version_ > 0) find_open_volumes();  // as it may be in a recording's scene
   ++version_;
   return *this;
 }

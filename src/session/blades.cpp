@@ -211,7 +211,6 @@ class EdgeNow {
 }  // namespace
 
 void Simulation::Parts::cut_with_blades(StepReport& report) {
-  bool changed = false;
   for (const SceneTool& tool : scene.tools()) {
     const auto* const blade = std::get_if<Blade>(&tool.tool.shape);
     if (blade == nullptr) continue;
@@ -242,9 +241,8 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     BodyCuts all = topology->cuts;
     all.push_back(std::make_shared<const BodyCut>(std::move(found)));
     set_body(topology->removed, all);
-    changed = true;
+    if (recorder) recorder->body_changed();  // each cut by itself: a replay then edits the body as often
   }
-  if (changed && recorder) recorder->body_changed();
 }
 
 }  // namespace phymul

@@ -75,6 +75,8 @@ Replay::Replay(Recording recording, Solver& solver, Scene& scene)
 }
 
 void Replay::start_scene() {
+  // The recorded body may have been edited before: a scene takes pressures that have no facets any more after an edit.
+  scene_.body_changed(solver_.topology().cuts);
   try {
     ByteReader in("scene", recording_.scene);
     change_scene(scene_, in);
@@ -159,8 +161,7 @@ void Replay::perform(const Input& input) {
     change_scene(scene_, in);
   } else if (input.kind == input_kind::removed) {
     ByteReader in = reader(input);
-    std::vector<Index> cells;
-    in.field(cells, "removed cells");
+    const std::vector<Index> cells = take_removed_cells(in);
     in.expect_end("the input");
     make_body(cells, solver_.topology().cuts);
   } else if (input.kind == input_kind::cut) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "scene_bytes.h"
 
+#include <phymul/state.h>
+
 #include <algorithm>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -152,7 +155,7 @@ void take_tearing(ByteReader& in, Scene& scene) {
   if (!laws.empty() && laws.size() != scene.model().materials.size()) {
     in.fail("expected a law of tearing for each material, got " + std::to_string(laws.size()));
   }
-  if (laws.empty()) scene.tear({});
+  if (laws.empty() && !scene.tearing().empty()) scene.tear({});
   for (std::size_t row = 0; row < laws.size(); ++row) scene.tear(scene.model().materials[row], laws[row]);
 }
 
@@ -250,6 +253,35 @@ void put_new_joints(ByteWriter& out, const Scene& scene, const SceneBefore& befo
   out.raw(added.bytes());
 }
 
+/// Whether those that were there come first, in the order of before, as take_tools() and joints have them.
+bool is_appended(const Scene& scene, const SceneBefore& before) {
+  const auto in_order = [](const auto& items, const auto& known, auto id_of) {
+    std::vector<std::ptrdiff_t> rows;
+    for (const auto& item : items) rows.push_back(std::ranges::find(known, item.id, id_of) - known.begin());
+    return std::ranges::is_sorted(rows);
+  };
+  return in_order(scene.tools(), before.tools, std::identity()) &&
+         in_order(scene.joints(), before.joints, &SceneBefore::Joint::id);
+}
+
+void put_order(ByteWriter& out, const Scene& scene) {
+  out.u64(scene.tools().size() + scene.joints().size());
+  for (const SceneTool& tool : scene.tools()) out.text(tool.name);
+  for (const SceneJoint& joint : scene.joints()) out.text(joint.name);
+}
+
+void take_order(ByteReader& in, Scene& scene) {
+  std::vector<std::string> names(in.count(4, "a number of names"));
+  for (std::string& name : names) name = in.text("a name");
+  const auto place = [&](const auto& item) { return std::ranges::find(names, item.first) - names.begin(); };
+  const auto joints = names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), scene.tools().size()));
+  const auto place_of_joint = [&](const auto& item) { return std::find(joints, names.end(), item.first) - joints; };
+  SceneParts parts = scene.parts();
+  std::ranges::stable_sort(parts.tools, {}, place);
+  std::ranges::stable_sort(parts.joints, {}, place_of_joint);
+  scene.bring_back(parts);
+}
+
 }  // namespace
 
 std::string load_bytes(const Load& load) {
@@ -306,12 +338,15 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
     tool_fields(out, there);
   }
   put_new_joints(out, scene, from);
-  const bool tears = from.tearing != scene.tearing();
+  const bool ordered = anew || is_appended(scene, before);
+  const bool tears = !ordered || from.tearing != scene.tearing();
   const bool volumes = tears || from.volumes != scene.volume_constraints();
   if (anew) out.u64(0);  // kept volumes where files had them before fluids
   if (anew && (volumes || !scene.threads().empty())) put_threads(out, scene.threads());
   if (volumes) put_volumes(out, scene, from.volumes);
-  if (tears) tearing_fields(out, scene.tearing());  // last: files written before do not have it
+  // Last, for files written before do not have them.
+  if (tears) tearing_fields(out, scene.tearing());
+  if (!ordered) put_order(out, scene);
   return out.bytes();
 }
 
@@ -354,6 +389,7 @@ void change_scene(Scene& scene, ByteReader& in) {
   if (anew && in.remaining() > 0) add_threads(in, scene);
   if (in.remaining() > 0) take_volumes(in, scene);
   if (in.remaining() > 0) take_tearing(in, scene);
+  if (in.remaining() > 0) take_order(in, scene);
   in.expect_end("a change of the scene");
 }
 

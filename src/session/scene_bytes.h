@@ -4,8 +4,9 @@
 // the factors of the materials' stiffness (count, f64 each), the number of loads (u64), the changed ones (count, then
 // row and load each), the joints that stay, by name, with their stiffness, damping and rest lengths where these
 // changed, all tools by name, with what they are where they are new, the new joints, after an empty scene a number of
-// kept volumes (0, but in older files) and the threads, if anything follows, all volumes, if some or the laws of
-// tearing changed, and these laws, if they did. Later changes of threads are inputs of their own.
+// kept volumes (0, but in older files) and the threads, if anything follows, all volumes, if they or what comes after
+// them changed, the laws of tearing, if they or what comes after changed, and the names of all tools and joints, where
+// new ones come before others. Later changes of threads are inputs of their own.
 #pragma once
 
 #include <phymul/scene.h>

@@ -386,11 +386,16 @@ void Simulation::replay(Recording recording) {
   Replay replay(std::move(recording), parts_->solver(), scene());
   parts_->see_tools();
   replay.on_body = [this](const std::vector<Index>& removed, const BodyCuts& cuts) { parts_->set_body(removed, cuts); };
-  for (const auto& [steps, times] : inputs) {
-    for (std::uint64_t k = 0; k < times; ++k) {
-      replay.next();
-      if (steps) parts_->see_tools();
+  try {
+    for (const auto& [steps, times] : inputs) {
+      for (std::uint64_t k = 0; k < times; ++k) {
+        replay.next();
+        if (steps) parts_->see_tools();
+      }
     }
+  } catch (...) {
+    parts_->state_changed();
+    throw;
   }
   parts_->state_changed();
 }

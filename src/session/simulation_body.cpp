@@ -92,8 +92,8 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
   if (removed == topology->removed && equal_cuts(cuts, topology->cuts)) return;
   const std::vector<Index> removed_before = topology->removed;
   const BodyCuts cuts_before = topology->cuts;
-  change_body(removed, cuts);
   try {
+    change_body(removed, cuts);
     solver().body_changed();  // after which it has forgotten what tools were asked since its last step
   } catch (...) {
     change_body(removed_before, cuts_before);

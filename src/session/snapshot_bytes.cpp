@@ -191,6 +191,15 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
   }
 }
 
+std::vector<Index> take_removed_cells(ByteReader& in) {
+  std::vector<Index> rows;
+  in.field(rows, "removed cells");
+  if (std::ranges::adjacent_find(rows, std::greater_equal()) != rows.end()) {
+    in.fail("expected rows of removed cells in increasing order; the file is damaged");
+  }
+  return rows;
+}
+
 Snapshot take_snapshot(ByteReader& in) {
   Snapshot snapshot;
   const std::size_t count = in.count(48, "a number of particles");
@@ -237,11 +246,8 @@ Snapshot take_snapshot(ByteReader& in) {
       continue;
     }
     if (part.name == removed_part) {
-      bytes.field(snapshot.removed_cells, "removed cells");
+      snapshot.removed_cells = take_removed_cells(bytes);
       bytes.expect_end("the removed cells");
-      if (std::ranges::adjacent_find(snapshot.removed_cells, std::greater_equal()) != snapshot.removed_cells.end()) {
-        in.fail("expected rows of removed cells in increasing order; the file is damaged");
-      }
       continue;
     }
     if (part.name == blades_part) {

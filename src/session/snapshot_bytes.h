@@ -14,6 +14,9 @@ namespace phymul {
 
 void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene = true);
 
+/// Rows of Model::cells, which must be ascending.
+std::vector<Index> take_removed_cells(ByteReader& in);
+
 /// Throws Error where a number is not finite, too.
 Snapshot take_snapshot(ByteReader& in);
 

@@ -33,7 +33,8 @@ class BodyEdit {
   /// What such a cut would change; nothing is changed yet. Throws Error as cut_cells() does, and (not_supported) where
   /// it needs more copies than the body has spare particles.
   BodyCut find_cut(const CutCells& cut) const;
-  /// Makes a cut, or undoes the last one of TopologyTextures::cuts. No cell that it changes may be removed.
+  /// Makes a cut, or undoes the last one of TopologyTextures::cuts. No cell that it changes may be removed. make()
+  /// throws Error, and changes nothing, for a cut that is not of the body as it is now.
   void make(std::shared_ptr<const BodyCut> cut);
   void undo();
 
@@ -53,6 +54,7 @@ class BodyEdit {
   };
 
   void require_cell(Index cell) const;
+  void require_fits(const BodyCut& cut) const;
   void take_cell(Index row);
   void lift_cell(Index row);
   void weigh_lumped(Index particle);

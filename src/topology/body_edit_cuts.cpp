@@ -4,12 +4,17 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "body_edit.h"
+#include "model/cell_geometry.h"
+#include "wall_terms.h"
 
 namespace phymul {
 
@@ -34,7 +39,66 @@ BodyCut BodyEdit::find_cut(const CutCells& cut) const {
   return found;
 }
 
+/// Cuts come from files, too. A corner changes to a copy of itself alone, so that what is checked of copies is enough.
+void BodyEdit::require_fits(const BodyCut& cut) const {
+  const auto require = [](bool fits) {
+    if (!fits) throw Error("expected a cut of the body as it is now, got one that does not fit its cells or particles");
+  };
+  const auto in = [](Index row, const auto& list) { return row >= 0 && static_cast<std::size_t>(row) < list.size(); };
+  const auto domains_of = [&](Index i) {
+    if (topology_.domains.empty()) return std::span<const DomainTexel>();
+    const Index first = topology_.first_domain[i];
+    return std::span<const DomainTexel>(topology_.domains).subspan(first, topology_.first_domain[i + 1] - first);
+  };
+  const auto has_domain = [&](Index i, Index material) {
+    return std::ranges::find(domains_of(i), material, &DomainTexel::material) != domains_of(i).end();
+  };
+  require(cut.copies.size() <= spare_.size());
+  std::unordered_map<Index, Index> copied;  // by copy
+  for (std::size_t k = 0; k < cut.copies.size(); ++k) {
+    const auto& [copy, of, shared] = cut.copies[k];
+    require(copy == spare_[spare_.size() - 1 - k] && in(of, cells_of_) && !cells_of_[of].empty());
+    for (const DomainTexel& domain : domains_of(of)) require(has_domain(copy, domain.material));
+    copied[copy] = of;
+  }
+  const auto require_part = [&](const BodyCut::Part& part, const BodyCut::Part& whole) {
+    for (std::size_t v = 0; v < whole.particles.size(); ++v) {
+      const auto copy = copied.find(part.particles[v]);
+      require(part.particles[v] == whole.particles[v] || (copy != copied.end() && copy->second == whole.particles[v]));
+    }
+    require(part.share > 0.0 && part.share <= whole.share);
+    for (const CellCut& cut_of : part.cuts) {
+      for (const double value : cut_of) require(std::isfinite(value));
+    }
+  };
+  Index last = none;
+  for (const auto& [row, before, after] : cut.changed) {
+    require(row > last && in(row, model_.cells));
+    last = row;
+    const Cell& cell = model_.cells[row];
+    const auto corners = static_cast<std::ptrdiff_t>(cell.particles.size());
+    require((cell.type == CellType::tetrahedron && cell.material >= 0) || is_of_wall(model_, cell) || is_clamp(cell));
+    require(
+        std::equal(cell.particles.begin(), cell.particles.end(), before.particles.begin()) &&
+        std::all_of(before.particles.begin() + corners, before.particles.end(), [](Index i) { return i == none; }) &&
+        before.share == cell.share && before.cuts == cell.cuts);
+    for (const Index i : cell.particles) {
+      require(model_.materials[cell.material].thickness > 0.0 || has_domain(i, cell.material));
+    }
+    require_part(after, before);
+  }
+  for (const auto& [of, part] : cut.added) {
+    const auto change = std::ranges::lower_bound(cut.changed, of, {}, &BodyCut::Change::row);
+    require(change != cut.changed.end() && change->row == of);
+    require_part(part, change->before);
+  }
+  for (const auto& [particle, before, after] : cut.masses) {
+    require(in(particle, mass_) && before == mass_[particle] && after >= 0.0 && std::isfinite(after));
+  }
+}
+
 void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
+  require_fits(*cut);
   for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
   make_cut(*cut, model_);
   for (const BodyCut::Change& change : cut->changed) {

@@ -40,6 +40,20 @@ TEST(Decimal, ShiftsTheExponentInsteadOfRounding) {
   }
 }
 
+TEST(Decimal, WhatIsTooSmallIsZero) {
+  for (const std::string& tiny : {std::string("1e-400"), std::string("-2.5E-0400"), std::string("100e-999"),
+                                  std::string("1e-99999999999999999999"), "0." + std::string(400, '0') + "1"}) {
+    EXPECT_EQ(parse_decimal(tiny), 0.0) << tiny;
+  }
+  EXPECT_EQ(parse_decimal("1e-322"), 1e-322);
+  EXPECT_EQ(DecimalUnit(1e-3).parse("1e-322"), 0.0);
+  EXPECT_EQ(DecimalUnit(0.0254).parse("1e-400"), 0.0);
+  for (const std::string& large : {std::string("1e400"), std::string("1E+400"), std::string("0.01e999"),
+                                   std::string("1e99999999999999999999"), std::string(400, '1') + "e-1"}) {
+    EXPECT_FALSE(parse_decimal(large)) << large;
+  }
+}
+
 TEST(Decimal, WritesReadably) {
   const auto text = [](double value, double unit) {
     std::string out;

@@ -92,6 +92,15 @@ TEST(LmlRead, AppliedTo) {
   EXPECT_EQ(targets("*").size(), static_cast<std::size_t>(line_model().particle_count()));
 }
 
+TEST(LmlRead, CommentsPartNoText) {
+  EXPECT_EQ(targets("0,1<!-- and --> ,2"), (std::vector<Index>{0, 1, 2}));
+  EXPECT_EQ(targets("0,<![CDATA[1]]>,2<?phymul generated?>"), (std::vector<Index>{0, 1, 2}));
+  const std::string head = "<appliedTo>1</appliedTo>" + event + along_z;
+  EXPECT_EQ(read_one("Translation", head + "<unit>m<!-- metre -->m</unit>").events[0].value, 1e-3);
+  EXPECT_EQ(lml_refusal(load_text("Force", "<appliedTo>1,<b>2</b></appliedTo>" + event + along_z + "<unit>N</unit>")),
+            "t.lml:3: expected text alone in <appliedTo>, got <b>");
+}
+
 TEST(LmlRead, AppliedToMeansFileIndices) {
   Model model = line_model();
   change_extras(model, [&](FileExtras& extras) {
@@ -275,6 +284,8 @@ TEST(LmlErrors, AppliedTo) {
   const std::string at = "t.lml:3: appliedTo: ";
   EXPECT_EQ(message("999"), at + "expected the index of an atom, got 999, which no atom of the model has");
   EXPECT_EQ(message("-1"), at + "expected the index of an atom, got -1, which no atom of the model has");
+  EXPECT_EQ(message("-9223372036854775808-9223372036854775807"),
+            at + "expected the index of an atom, got -9223372036854775808, which no atom of the model has");
   EXPECT_EQ(message("3-2000000000"), at + "expected the index of an atom, got 20, which no atom of the model has");
   EXPECT_EQ(message("7-5"), at + "expected a range from its smaller to its larger index, got \"7-5\"");
   EXPECT_EQ(message("1,,2"), at + "expected indices, ranges, names or * between commas, got nothing in \"1,,2\"");

@@ -6,6 +6,7 @@
 #include <phymul/topology_textures.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <iterator>
 
@@ -287,6 +288,29 @@ TEST(PmlBodies, RefusesWhatIsWrong) {
   add_body_types(twice);
   EXPECT_NE(message_of([&] { add_body_types(twice); }).find("net"), std::string::npos);
   EXPECT_EQ(twice.loads().size(), 1u);
+}
+
+/// Components of one name have joints of names of their own, found without a search through all.
+TEST(PmlBodies, ManyOfOneName) {
+  Model model = make_tetrahedron(0.01);
+  constexpr int count = 1500;
+  for (int k = 0; k < count; ++k) {
+    model.components.push_back({.name = k == 2 ? "net 3" : "net",
+                                .exclusive = false,
+                                .cell_refs = {static_cast<Index>(model.cells.size())},
+                                .attributes = {{"bodyType", "interaction"}, {"stiffness", "1"}}});
+    model.cells.push_back({.type = CellType::line, .particles = {0, 1}});
+  }
+  Scene scene(model);
+  const auto start = std::chrono::steady_clock::now();
+  add_body_types(scene);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+  ASSERT_EQ(scene.joints().size(), std::size_t{count});
+  EXPECT_EQ(scene.joints()[0].name, "net");
+  EXPECT_EQ(scene.joints()[1].name, "net 2");
+  EXPECT_EQ(scene.joints()[2].name, "net 3");
+  EXPECT_EQ(scene.joints()[3].name, "net 4");
+  EXPECT_EQ(scene.joints().back().name, "net " + std::to_string(count));
 }
 
 TEST(PmlBodies, OtherProgramsFilesAreTakenAsTheyAre) {

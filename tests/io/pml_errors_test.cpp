@@ -3,6 +3,7 @@
 // What a wrong file says: each message with its file and line, and what the readers of the field let pass.
 #include <phymul/pml.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -174,6 +175,27 @@ TEST(PmlErrors, EntityBomb) {
             "t.pml:2: expected a file without entity declarations, got a DOCTYPE with <!ENTITY; write the text itself "
             "where &name; stands");
   EXPECT_EQ(refusal("<!DOCTYPE physicalModel SYSTEM \"physicalmodel.dtd\">\n" + with_element("")), "(no error)");
+}
+
+TEST(PmlErrors, OfManyAttributesTheRepeatedOneIsNamed) {
+  std::string attributes;
+  for (int k = 0; k < 50'000; ++k) attributes += " a" + std::to_string(k) + "=''";
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_TRUE(refuses([&] { read_pml_text("<physicalModel" + attributes + " a7=''/>", "t.pml"); },
+                      "expected each attribute once in <physicalModel>, got \"a7\" twice"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));  // each with each: 10 s
+}
+
+TEST(PmlErrors, ReferencesToControlCharacters) {
+  for (const char* const wrong : {"&#0;", "&#1;", "&#x1F;", "&#0011;", "&#4294967297;", "&#x110000;"}) {
+    EXPECT_TRUE(refuses([&] { read_pml_text(std::string("<physicalModel\nname='a") + wrong + "b'/>", "t.pml"); },
+                        "t.pml:2: expected references to characters of text, got \"" + std::string(wrong) + '"'));
+  }
+  for (const char* const right : {"&#9;", "&#xA;", "&#13;", "&#228;", "&#;", "&#1"}) {
+    EXPECT_FALSE(refuses([&] { read_pml_text(std::string("<physicalModel name='a") + right + "b'/>", "t.pml"); },
+                         "characters of text"))
+        << right;
+  }
 }
 
 TEST(PmlErrors, DeepNesting) {

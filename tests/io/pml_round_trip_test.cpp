@@ -56,6 +56,15 @@ TEST(PmlRoundTrip, SpareParticlesAreLeftOut) {
   Model block = make_tetrahedral_block({0.03, 0.03, 0.03}, 3, 3, 3, 0.2, 7);
   set_material(block, {3e3, 0.45, 1100});
   EXPECT_EQ(reread(with_spare_particles(block, 5)), block);
+  const auto with_all = [](Model model) {
+    model.add_group("all", model.particles_in([](const Vec3&) { return true; }));
+    return model;
+  };
+  Model spare = with_all(block);
+  const auto first = block.particle_count();
+  spare = with_spare_particles(std::move(spare), 5);
+  for (Index i = first; i < spare.particle_count(); ++i) spare.components.back().particles.push_back(i);
+  EXPECT_EQ(reread(spare), with_all(block));
 }
 
 /// A part of a cut cell is a cell with its share, and a removed cell is there.

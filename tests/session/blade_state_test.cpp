@@ -69,6 +69,44 @@ TEST(BladeState, AFastOneGoesOnFromARecordingAsItDid) {
   EXPECT_EQ(again.sim.state(), stroke.sim.state());
 }
 
+/// Each edits the body by itself, so that the last bits depend on how often it was edited.
+TEST(BladeState, TwoThatCutInOneCallAreReplayedBitForBit) {
+  Stroke stroke("cpu", 20.0, 0.005, 1e4, 9, 1500), again("cpu", 20.0, 0.005, 1e4, 9, 1500);
+  Simulation& sim = stroke.sim;
+  ToolPose pose = stroke.pose;
+  pose.position.y() = 0.012;
+  const ToolHandle beside =
+      sim.scene().add_tool("beside", {.shape = Blade{.width = 0.02, .toughness = 20.0, .height = 0.01}, .pose = pose});
+  sim.record();
+  bool both = false;
+  for (int tick = 0; tick < 25; ++tick) {
+    const std::size_t cuts = sim.cuts().size();
+    pose.position.x() -= 0.7e-3;
+    beside.move_to(pose);
+    ASSERT_TRUE(stroke.go_on(0.7e-3).ok());
+    both = both || sim.cuts().size() > cuts + 1;
+  }
+  EXPECT_TRUE(both);
+  again.sim.replay(sim.recording());
+  EXPECT_EQ(again.sim.snapshot(), sim.snapshot());
+}
+
+/// The blade goes around the slab. The straight line between its first and last place goes through it.
+TEST(BladeState, AfterAReplayThatFailsIsWhereThatEnded) {
+  Stroke stroke("cpu", 0.0, -0.005), again("cpu", 0.0, -0.005);
+  stroke.sim.record();
+  for (const Vec3& position : {Vec3(0.062, 0.0205, 0.05), Vec3(-0.02, 0.0205, 0.05), Vec3(-0.02, 0.0205, 0.01)}) {
+    stroke.pose.position = position;
+    ASSERT_TRUE(stroke.go_on(0.0).ok());
+  }
+  ASSERT_TRUE(stroke.sim.cuts().empty());
+  Recording recording = stroke.sim.recording();
+  recording.inputs.push_back({"cuts", "", 1});
+  EXPECT_TRUE(refuses([&] { again.sim.replay(recording); }, "Replay: input "));
+  ASSERT_TRUE(again.sim.advance(1e-3).ok());
+  EXPECT_TRUE(again.sim.cuts().empty());
+}
+
 /// Added to a body with a cut, it knows the body without that as well.
 TEST(BladeState, OfABodyWithACutFollowsWhenThatIsUndone) {
   Stroke stroke("cpu", 20.0), other("cpu", 20.0);

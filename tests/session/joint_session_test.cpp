@@ -93,6 +93,28 @@ TEST_P(JointSessionIn, AReplayHasTheSameBits) {
   }
 }
 
+/// Scene::bring_back() puts a tool and a joint before others that stayed.
+TEST_P(JointSessionIn, AReplayHasWhatWasBroughtBackInItsOrder) {
+  Simulation sim = on_a_bed();
+  const auto add_tool = [&](const char* name, double x) {
+    sim.scene().add_tool(name, {.shape = Sphere{0.002}, .pose = {.position = {x, 0.01, 0.021}}});
+  };
+  add_tool("bed", 0.005);
+  add_tool("b", 0.015);
+  sim.scene().attach(sim.model().group("x0"), World{{-0.01, 0, 0}}, {.stiffness = 1e4});
+  sim.record();
+  ASSERT_TRUE(sim.advance(0.002).ok());
+  const SceneParts all = sim.scene().parts();
+  sim.scene().remove_joint("bed").remove_tool("bed");
+  ASSERT_TRUE(sim.advance(0.002).ok());
+  sim.scene().bring_back(all);
+  ASSERT_TRUE(sim.advance(0.002).ok());
+  Simulation again(sim.model(), {.backend = GetParam()});
+  again.replay(sim.recording());
+  EXPECT_EQ(difference(again.scene().parts(), all), "");
+  EXPECT_EQ(again.snapshot(), sim.snapshot());
+}
+
 TEST(JointWarnings, ABodyOnJointsIsHeld) {
   const Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2)), other = moved(block, {0.1, 0, 0});
   const Model both = merged({{"a", &block}, {"b", &other}});

@@ -17,6 +17,13 @@
 namespace phymul {
 namespace {
 
+/// Lengths have 32 bits. Nothing is read of this text.
+TEST(WireCodes, ATextOfFourGigabytesIsRefused) {
+  ByteWriter out;
+  EXPECT_TRUE(refuses([&] { out.text({"", std::size_t{1} << 32}); }, "expected less than 4 GiB"));
+  EXPECT_TRUE(out.bytes().empty());
+}
+
 /// Files made before must stay readable, whatever the order of enumerators and of the shapes of tools.
 TEST(WireCodes, NeverChange) {
   const auto first_byte = [](const std::string& bytes) {

@@ -41,6 +41,7 @@ class LmlReader {
   Load read_load(pugi::xml_node node);
   LoadParts parts_of(pugi::xml_node load);
   LoadType type_of(pugi::xml_node load) const;
+  std::string text_in(pugi::xml_node node) const;
   const LmlUnit& unit_of(pugi::xml_node load, LoadType type, pugi::xml_node node);
   void read_target(const LoadParts& parts, Load& load);
   void read_events(const LoadParts& parts, Load& load, const DecimalUnit& unit) const;
@@ -130,13 +131,25 @@ LoadType LmlReader::type_of(pugi::xml_node load) const {
                       (name.data() == nullptr ? "none" : XmlSource::cite(name)));
 }
 
+/// Comments part it.
+std::string LmlReader::text_in(pugi::xml_node node) const {
+  std::string text;
+  for (const pugi::xml_node part : node.children()) {
+    if (part.type() == pugi::node_element) {
+      xml_.fail(part, "expected text alone in <" + std::string(node.name()) + ">, got <" + part.name() + '>');
+    }
+    if (part.type() != pugi::node_pi) text += part.value();
+  }
+  return std::string(trim(text));
+}
+
 const LmlUnit& LmlReader::unit_of(pugi::xml_node load, LoadType type, pugi::xml_node node) {
   if (!node) {
     const LmlUnit& assumed = default_lml_unit(type);
     xml_.note(load, std::string("no <unit> in a load of type ") + lml_name(type) + ": " + assumed.name + " is assumed");
     return assumed;
   }
-  const std::string_view name = trim(node.child_value());
+  const std::string name = text_in(node);
   const LmlUnit* const unit = find_lml_unit(type, name);
   if (unit != nullptr) return *unit;
   xml_.fail(node, std::string("expected a unit of a load of type ") + lml_name(type) + " (" + known_lml_units(type) +
@@ -144,7 +157,7 @@ const LmlUnit& LmlReader::unit_of(pugi::xml_node load, LoadType type, pugi::xml_
 }
 
 void LmlReader::read_target(const LoadParts& parts, Load& load) {
-  const std::string_view text = trim(parts.applied_to.child_value());
+  const std::string text = text_in(parts.applied_to);
   try {
     load.particles = targets_.resolve(text);
   } catch (const Error& error) {

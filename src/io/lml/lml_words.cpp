@@ -115,6 +115,7 @@ std::vector<Index> LmlTargets::resolve_item(std::string_view item) const {
       throw Error("expected a range from its smaller to its larger index, got " + XmlSource::cite(item));
     }
     if (first && last) {
+      if (*first < 0) particle(*first);  // throws: no atom has it
       std::int64_t missing = -1;
       std::vector<Index> rows = table_.find_range(*first, *last, missing);
       if (static_cast<std::int64_t>(rows.size()) != *last - *first + 1) particle(missing);

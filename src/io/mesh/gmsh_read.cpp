@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "base/byte_source.h"
+#include "base/decimal.h"
 #include "mesh_parts.h"
 
 namespace phymul {
@@ -29,8 +30,10 @@ class GmshReader {
 
   MeshParts read() {
     while (in_.remaining() > 0) {
-      const std::string_view line = in_.line();
-      if (line.empty() || line == "\xEF\xBB\xBF") continue;
+      std::string_view line = in_.line();
+      if (line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+      line = trim(line);
+      if (line.empty()) continue;
       if (line[0] != '$') {
         in_.fail("expected the start of a section ($Nodes, $Elements, ...), got " + cited(line) +
                  "; the file is damaged: export it again");
@@ -144,6 +147,9 @@ class GmshReader {
         std::vector<std::int64_t>& physical = entity_groups_[{dimension, tag}];
         const std::size_t n = in_.count(size_type, in_.least_bytes(int_type), "a number of physical tags");
         for (std::size_t k = 0; k < n; ++k) physical.push_back(std::abs(in_.integer(int_type, "a physical tag")));
+        std::ranges::sort(physical);
+        const auto again = std::ranges::unique(physical);
+        physical.erase(again.begin(), again.end());
         if (dimension == 0) continue;
         const std::size_t bounds = in_.count(size_type, in_.least_bytes(int_type), "a number of bounding entities");
         in_.skip_numbers(bounds, int_type);
@@ -265,6 +271,11 @@ class GmshReader {
       const auto numbers = static_cast<std::size_t>(1 + type.nodes);
       const std::size_t n = in_.count(size_type, numbers * in_.least_bytes(size_type), "a number of elements");
       const auto groups = entity_groups_.find({type.dimension, entity});
+      // A small file must not take much memory.
+      if (groups != entity_groups_.end()) memberships_ += n * groups->second.size();
+      if (memberships_ > in_.position() + in_.remaining()) {
+        in_.fail("expected elements in fewer physical groups than the file has bytes; the file is damaged");
+      }
       for (std::size_t i = 0; i < n; ++i) {
         const std::int64_t tag = in_.integer(size_type, "an element tag");
         const auto row = static_cast<Index>(parts_.cells.size());
@@ -347,6 +358,7 @@ class GmshReader {
   std::map<GroupKey, std::string> names_;
   std::map<GroupKey, std::vector<std::int64_t>> entity_groups_;  // per dimension and entity tag
   std::map<GroupKey, std::vector<Index>> group_cells_;
+  std::size_t memberships_ = 0;  // of elements in physical groups, version 4
   std::unordered_map<std::int64_t, Index> node_row_;
   std::map<std::pair<CellType, std::vector<Index>>, Index> cell_row_;  // version 2 only
 };

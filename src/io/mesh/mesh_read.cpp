@@ -9,10 +9,13 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <new>
+#include <stdexcept>
 
 #include "base/byte_source.h"
 #include "base/decimal.h"
 #include "base/files.h"
+#include "io/xml/xml_source.h"
 #include "mesh_parts.h"
 #include "model/file_extras.h"
 
@@ -91,9 +94,22 @@ std::vector<Index> renumber(const std::vector<Index>& items, const std::vector<I
   return result;
 }
 
+/// The first of "Elements", "Elements 2" and so on that no group has: components of one name are one group.
+std::string name_of_all(const std::vector<MeshGroup>& groups) {
+  std::string name = "Elements";
+  for (int k = 2; std::ranges::find(groups, name, &MeshGroup::name) != groups.end(); ++k) {
+    name = "Elements " + std::to_string(k);
+  }
+  return name;
+}
+
 void add_components(const MeshParts& parts, const std::vector<Index>& point_row, const std::vector<Index>& cell_row,
                     Model& model) {
-  Component body{.name = "Elements"};
+  Component body{.name = name_of_all(parts.groups)};
+  if (body.name != "Elements") {
+    model.notes.push_back(parts.source + ": the component of all cells is called " + cited(body.name) +
+                          ", because a group is called \"Elements\"");
+  }
   for (std::size_t c = 0; c < model.cells.size(); ++c) body.cells.push_back(static_cast<Index>(c));
   model.components.push_back(std::move(body));
   for (const MeshGroup& group : parts.groups) {
@@ -155,6 +171,7 @@ Model assemble(MeshParts parts, const MeshOptions& options) {
   Model model;
   FileExtras extras;
   model.name = std::filesystem::path(parts.source).stem().string();
+  for (MeshGroup& group : parts.groups) group.name = as_utf8(std::move(group.name));  // some writers use Latin-1
   const bool numbered = !parts.point_tags.empty() || used != static_cast<Index>(parts.points.size());
   for (std::size_t p = 0; p < point_row.size(); ++p) {
     if (point_row[p] < 0) continue;
@@ -190,11 +207,20 @@ Model assemble(MeshParts parts, const MeshOptions& options) {
 }
 
 Model mesh_from_bytes(const std::string& source, std::string_view bytes, const MeshOptions& options) {
-  if (!(options.length_unit > 0.0) || !std::isfinite(options.length_unit)) {
-    throw Error("read_mesh: expected a length_unit above 0 (metres per file unit), got " +
-                to_decimal(options.length_unit));
+  const auto require = [](bool right, const char* what, double got) {
+    if (!right || !std::isfinite(got))
+      throw Error(std::string("read_mesh: expected ") + what + ", got " + to_decimal(got));
+  };
+  require(options.length_unit > 0.0, "a length_unit above 0 (metres per file unit)", options.length_unit);
+  require(options.default_mass > 0.0, "a default_mass above 0 kg", options.default_mass);
+  require(options.default_stiffness >= 0.0, "a default_stiffness of 0 N/m or more", options.default_stiffness);
+  try {
+    return reading(source, [&] { return assemble(read_parts(source, bytes), options); });
+  } catch (const std::bad_alloc&) {
+    fail_memory(source);
+  } catch (const std::length_error&) {
+    fail_memory(source);
   }
-  return reading(source, [&] { return assemble(read_parts(source, bytes), options); });
 }
 
 Model read_mesh(const std::string& path, const MeshOptions& options) {

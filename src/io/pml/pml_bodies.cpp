@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -146,17 +147,16 @@ class BodyTypes {
     return std::to_string(springs.size()) + " spring(s) of " + to_decimal(*stiffness) + " N/m";
   }
 
-  std::string free_name(const Component& component) const {
+  std::string free_name(const Component& component) {
     const std::string name = component.name.empty() ? std::string(body_type(component)) : component.name;
     std::string free = name;
-    for (int k = 2; std::ranges::find(joints, free, &std::pair<std::string, Joint>::first) != joints.end(); ++k) {
-      free = name + ' ' + std::to_string(k);
-    }
+    while (!next_of_name_.try_emplace(free, 2).second) free = name + ' ' + std::to_string(next_of_name_.at(name)++);
     return free;
   }
 
   const Model& model_;
   int colliding_ = 0;
+  std::map<std::string, int> next_of_name_;  // by the name of a joint: the number that another one of that name gets
 };
 
 }  // namespace

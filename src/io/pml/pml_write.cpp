@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <ostream>
 
 #include "base/decimal.h"
@@ -169,13 +170,15 @@ void PmlWriter::write_component(Index row) {
   for (const Index child : layout_.children[row]) write_component(child);
   if (component.structural) {
     const bool neighbourhoods = row == layout_.neighbourhoods;
-    const std::size_t structures =
-        layout_.own_cells[row].size() + layout_.references[row].size() + component.particles.size();
+    std::vector<Index> particles;  // those that are written
+    std::ranges::copy_if(component.particles, std::back_inserter(particles),
+                         [this](Index i) { return i < particles_; });
+    const std::size_t structures = layout_.own_cells[row].size() + layout_.references[row].size() + particles.size();
     xml_.leaf("nrOfStructures", "value", structures + (neighbourhoods ? static_cast<std::size_t>(particles_) : 0));
     for (const Index cell : layout_.own_cells[row]) write_cell(cell, material >= 0);
     for (const Index cell : layout_.references[row])
       xml_.leaf("cellRef", "index", static_cast<std::size_t>(layout_.cell_number[cell]));
-    for (const Index particle : component.particles) {
+    for (const Index particle : particles) {
       xml_.leaf("atomRef", "index", static_cast<std::size_t>(model_.file_index(particle)));
     }
     if (neighbourhoods) write_neighbourhoods();

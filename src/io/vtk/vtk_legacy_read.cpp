@@ -39,7 +39,9 @@ class VtkLegacyReader {
 
  private:
   void read_header() {
-    in_.line();  // "# vtk DataFile Version x.y"; the version tells nothing that the sections do not
+    // "# vtk DataFile Version x.y", after blank lines; the version tells nothing that the sections do not.
+    while (in_.line().find("# vtk DataFile") == std::string_view::npos) {
+    }
     in_.line();  // title
     const std::string kind = lower_case(in_.word());
     if (kind != "ascii" && kind != "binary") in_.fail("expected ASCII or BINARY, got " + cited(kind));

@@ -105,6 +105,8 @@ class VtuReader {
     if (points + first_point > static_cast<std::size_t>(std::numeric_limits<Index>::max())) {
       fail(piece, "expected fewer than 2^31 points");
     }
+    if (points == 0 && cells > 0)
+      fail(piece, "expected no cells in a piece without points, got " + std::to_string(cells));
     if (points == 0) return;  // writers leave empty pieces for processors without a share
     read_array(only(only(piece, "Points"), "DataArray"), "Points", 3, points, [&](ByteSource& in, NumberType type) {
       for (std::size_t i = 0; i < points; ++i) parts_.points.push_back(in.point(type));
@@ -192,6 +194,11 @@ class VtuReader {
     const std::string_view coded = coded_bytes(array, format, coding);
     const std::string where = place(array) + ": array " + cited(name);
     const std::string decoded = decode_vtu_array(coded, coding, numbers * size_of(type), where);
+    constexpr std::size_t most_of_zlib = 1032;  // bytes that one may become
+    if (format == "appended") decoded_ += decoded.size();
+    if (decoded_ > text_.appended.size() * (coding.compressed ? most_of_zlib : 1)) {
+      fail(array, "expected appended arrays that lie beside each other, got such as overlap; the file is damaged");
+    }
     ByteSource in = ByteSource::decoded(where, decoded, coding.swap);
     use(in, type);
   }
@@ -295,7 +302,8 @@ class VtuReader {
   MeshParts parts_;
   VtuCoding coding_;
   bool appended_base64_ = false;
-  std::string coded_text_;  // of the array being read
+  std::string coded_text_;   // of the array being read
+  std::size_t decoded_ = 0;  // bytes of appended arrays
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "xml_source.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <limits>
 #include <pugixml.hpp>
@@ -62,11 +63,18 @@ std::string as_utf8(std::string text, bool is_latin1) {
 }
 
 std::string_view repeated_attribute(pugi::xml_node node) {
+  constexpr std::size_t few = 32;  // of which each is compared with each
+  std::size_t count = 0;
   for (const pugi::xml_attribute attribute : node.attributes()) {
-    // The first of that name; attributes are few.
-    if (node.attribute(attribute.name()) != attribute) return attribute.name();
+    if (++count > few) break;
+    if (node.attribute(attribute.name()) != attribute) return attribute.name();  // the first of that name
   }
-  return {};
+  if (count <= few) return {};
+  std::vector<std::string_view> names;
+  for (const pugi::xml_attribute attribute : node.attributes()) names.emplace_back(attribute.name());
+  std::ranges::sort(names);
+  const auto twice = std::ranges::adjacent_find(names);
+  return twice != names.end() ? *twice : std::string_view();
 }
 
 XmlSource::XmlSource(std::string text, std::string name, bool instructions)
@@ -82,6 +90,7 @@ XmlSource::XmlSource(std::string text, std::string name, bool instructions)
   if (zero != std::string::npos) {
     fail_format(name_, line_at(zero), "expected XML in UTF-8, got a zero byte; binary files and UTF-16 are not read");
   }
+  refuse_control_characters();
   parse(instructions);
   refuse_entities();
   check_elements();
@@ -105,6 +114,21 @@ void XmlSource::parse(bool instructions) {
     }
   }
   if (roots == 0) fail_format(name_, 1, "expected an XML document, got no element");
+}
+
+/// References to characters that XML does not have: 0 would end a name, and write_pml refuses the others.
+void XmlSource::refuse_control_characters() const {
+  for (std::size_t at = text_.find("&#"); at != std::string::npos; at = text_.find("&#", at + 1)) {
+    const bool hexadecimal = text_.compare(at + 2, 1, "x") == 0;
+    const char* const digits = text_.data() + at + (hexadecimal ? 3 : 2);
+    std::uint32_t code = 0;
+    const auto [end, problem] = std::from_chars(digits, text_.data() + text_.size(), code, hexadecimal ? 16 : 10);
+    if (end == digits || end == text_.data() + text_.size() || *end != ';') continue;  // no reference
+    const bool is_blank = code == '\t' || code == '\n' || code == '\r';
+    if (problem == std::errc() && (code >= 0x20 || is_blank) && code <= 0x10FFFF) continue;
+    fail_format(name_, line_at(at),
+                "expected references to characters of text, got " + cite({text_.data() + at, end + 1}));
+  }
 }
 
 void XmlSource::refuse_entities() const {

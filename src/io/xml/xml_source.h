@@ -71,6 +71,7 @@ class XmlSource {
 
  private:
   std::size_t line_at(std::size_t offset) const;
+  void refuse_control_characters() const;
   void parse(bool instructions);
   void refuse_entities() const;
   void check_elements() const;

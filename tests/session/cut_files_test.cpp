@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+//
+// Cuts in states and recordings that were altered, and what a replay of cuts needs besides.
+#include <gtest/gtest.h>
+#include <phymul/phymul.h>
+#include <phymul/topology_textures.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "session/cut_bytes.h"
+#include "support/message_of.h"
+
+namespace phymul {
+namespace {
+
+Simulation cut_file_body() {
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.03}, 3, 2, 2, 0.2, 7), 60),
+                 {.material = {5e3, 0.4, 1000.0}, .backend = "reference"});
+  sim.scene().fix("x0").gravity({0, 0, -1});
+  return sim;
+}
+
+Input input_of(std::uint64_t stays, const BodyCuts& further) {
+  ByteWriter bytes;
+  bytes.u64(stays);
+  cuts_field(bytes, further);
+  return {"cuts", bytes.bytes(), 1};
+}
+
+/// Behind right checksums and fingerprints.
+TEST(CutFiles, CutsThatDoNotFitTheBodyAreRefusedAndChangeNothing) {
+  Simulation sim = cut_file_body();
+  const Snapshot whole = sim.snapshot();
+  sim.record();
+  sim.step(2, 1e-4);
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0, 0}, {1, 0.2, 0.1})));
+  sim.step(2, 1e-4);
+  const Recording recording = sim.recording();
+  const BodyCut good = *sim.cuts().front();
+  const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
+  const auto spare = static_cast<Index>(whole.state.position.size() - 1);
+  const auto cells = static_cast<Index>(cut_file_body().model().cells.size());
+  const std::function<void(BodyCut&)> alterations[] = {
+      [&](BodyCut& cut) { cut.changed.front().row = -1; },
+      [&](BodyCut& cut) { cut.changed.back().row = cells; },
+      [&](BodyCut& cut) { cut.changed.back().row = 100000000; },
+      [&](BodyCut& cut) { std::swap(cut.changed[0], cut.changed[1]); },
+      [&](BodyCut& cut) { cut.changed.insert(cut.changed.begin(), cut.changed.front()); },
+      [&](BodyCut& cut) { cut.changed[0].before.share = 0.5; },
+      [&](BodyCut& cut) { cut.changed[0].before.particles[2] += 1; },
+      [&](BodyCut& cut) {
+        cut.changed[0].before.cuts.push_back({1, 1, 1, -1});
+      },
+      [&](BodyCut& cut) { cut.changed[0].after.particles[0] = -1; },
+      [&](BodyCut& cut) { cut.changed[0].after.particles[0] = 100000000; },
+      [&](BodyCut& cut) { cut.changed[0].after.particles[3] = spare; },
+      [&](BodyCut& cut) { cut.changed[0].after.share = 0.0; },
+      [&](BodyCut& cut) { cut.changed[0].after.share = 1.5; },
+      [&](BodyCut& cut) { cut.changed[0].after.share = nan; },
+      [&](BodyCut& cut) { cut.changed[0].after.cuts.at(0)[2] = infinity; },
+      [&](BodyCut& cut) { cut.added[0].of = 100000000; },
+      [&](BodyCut& cut) { cut.added[0].of = -1; },
+      [&](BodyCut& cut) { cut.added[0].part.particles[1] = 100000000; },
+      [&](BodyCut& cut) { cut.added[0].part.share = -0.1; },
+      [&](BodyCut& cut) { cut.copies[0].particle = 100000000; },
+      [&](BodyCut& cut) { cut.copies[0].of = 100000000; },
+      [&](BodyCut& cut) { cut.copies[0].of = spare; },
+      [&](BodyCut& cut) { std::swap(cut.copies[0].particle, cut.copies[1].particle); },
+      [&](BodyCut& cut) { cut.copies.insert(cut.copies.end(), 100, cut.copies[0]); },
+      [&](BodyCut& cut) { cut.masses[0].particle = 100000000; },
+      [&](BodyCut& cut) { cut.masses[0].before *= 0.5; },
+      [&](BodyCut& cut) { cut.masses[0].after = nan; },
+      [&](BodyCut& cut) { cut.masses[0].after = -1.0; },
+  };
+  Simulation other = cut_file_body();
+  const auto expect_refused = [&](const char* what, const auto& use) {
+    EXPECT_TRUE(refuses(use, "expected a cut of the body as it is now")) << what;
+    EXPECT_TRUE(other.cuts().empty());
+    EXPECT_EQ(static_cast<Index>(other.model().cells.size()), cells);
+  };
+  for (std::size_t k = 0; k < std::size(alterations); ++k) {
+    SCOPED_TRACE(k);
+    BodyCut altered = good;
+    alterations[k](altered);
+    const BodyCuts cuts{std::make_shared<const BodyCut>(altered)};
+    Snapshot state = sim.snapshot();
+    state.cuts = cuts;
+    state.topology_hash = fingerprint(sim.solver().topology(), {}, cuts);
+    expect_refused("restore", [&] { other.restore(state); });
+    Recording bad = recording;
+    for (Input& input : bad.inputs) {
+      if (input.kind == "cuts") input = input_of(0, cuts);
+    }
+    expect_refused("replay", [&] { other.replay(bad); });
+    other.restore(whole);
+  }
+  Recording twice = recording;
+  twice.inputs.push_back(input_of(1, sim.cuts()));
+  EXPECT_TRUE(refuses([&] { other.replay(twice); }, "expected a cut of the body as it is now"));
+  other.replay(recording);
+  EXPECT_EQ(other.snapshot(), sim.snapshot());
+}
+
+/// That another one which replays its recording ends as it did.
+void expect_same_replay(const Simulation& sim) {
+  Simulation other = cut_file_body();
+  other.replay(sim.recording());
+  EXPECT_EQ(other.snapshot(), sim.snapshot());
+}
+
+TEST(CutFiles, AVolumeThatACutOpenedIsOpenInAReplayToo) {
+  Simulation sim = cut_file_body();
+  sim.scene().constrain_volume();
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0, 0}, {1, 0.2, 0.1})));
+  ASSERT_TRUE(sim.scene().is_open(0));
+  sim.record();
+  for (int k = 0; k < 20; ++k) sim.advance(1e-3);
+  Simulation other = cut_file_body();
+  other.replay(sim.recording());
+  EXPECT_TRUE(other.scene().is_open(0));
+  EXPECT_EQ(other.snapshot(), sim.snapshot());
+}
+
+/// The pressure acts on a lip of a cut that is undone then.
+TEST(CutFiles, APressureWhoseFacetsAreGoneIsReplayed) {
+  Simulation sim = cut_file_body();
+  const Snapshot whole = sim.snapshot();
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0, 0}, {1, 0.05, 0.02})));
+  Load load{.type = LoadType::pressure, .events = {{0, 50}}};
+  for (const BodyCut::Copy& copy : sim.cuts().front()->copies) load.particles.push_back(copy.of);
+  const VecList rest = sim.model().rest;
+  std::erase_if(load.particles, [&](Index i) { return rest[i].y() < 1e-3 || rest[i].y() > 0.039; });
+  ASSERT_FALSE(load.particles.empty());
+  sim.scene().add(load);
+  sim.restore(whole);
+  sim.record();
+  sim.step(2, 1e-4);
+  expect_same_replay(sim);
+}
+
+TEST(CutFiles, RemovedCellsOutOfOrderAreRefused) {
+  Simulation sim = cut_file_body();
+  sim.record();
+  sim.step(1, 1e-4);
+  Recording recording = sim.recording();
+  for (const std::vector<Index>& rows : {std::vector<Index>{9, 3, 7}, {3, 3, 5}}) {
+    ByteWriter bytes;
+    bytes.field(rows, "");
+    recording.inputs = {{"cell", bytes.bytes(), 1}};
+    EXPECT_TRUE(refuses([&] { sim.replay(recording); }, "expected rows of removed cells in increasing order"));
+    EXPECT_TRUE(sim.removed_cells().empty());
+  }
+}
+
+}  // namespace
+}  // namespace phymul
