@@ -40,7 +40,7 @@ class VtkLegacyReader {
  private:
   void read_header() {
     // "# vtk DataFile Version x.y", after blank lines; the version tells nothing that the sections do not.
-    while (in_.line().find("# vtk DataFile") == std::string_view::npos) {
+    while (in_.remaining() > 0 && in_.line().find("# vtk DataFile") == std::string_view::npos) {
     }
     in_.line();  // title
     const std::string kind = lower_case(in_.word());
