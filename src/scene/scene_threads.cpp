@@ -191,7 +191,10 @@ ThreadHandle Scene::add_clip(std::string name, const Clip& clip, const Anchor& o
       throw Error(label + "expected a finite " + what + " above 0, got " + to_decimal(value));
     }
   }
-  for (const Anchor& anchor : {one, other}) AnchorCheck{label, *model_, tools_}(anchor);
+  for (const Anchor& anchor : {one, other}) {
+    if (anchor.particles.empty()) throw Error(label + "expected particles, got none");
+    AnchorCheck{label, *model_, tools_}(anchor);
+  }
   const double apart = (anchor_place(one, model_->rest, {}) - anchor_place(other, model_->rest, {})).norm();
   // Of clamps of one force the first lets thread through. The tail behind each is as long as the opening.
   Thread thread{.length = apart + 2.0 * clip.opening, .friction = 0.0};
