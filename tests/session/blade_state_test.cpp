@@ -35,15 +35,19 @@ TEST(BladeState, AFastOneGoesOnFromASnapshotAsItDid) {
   }
 }
 
-/// From 2 mm before the slab to more than two spacings beyond it; then from there back.
+/// From 2 mm before the slab to more than two spacings beyond it; then from there back. With a call without steps
+/// between, in which it is not there yet.
 TEST(BladeState, ATeleportedOneCutsNothingOnItsWay) {
-  Stroke stroke("cpu", 0.0, -0.005);
-  ASSERT_TRUE(stroke.go_on(0.0).ok());
-  for (const double x : {-0.02, 0.08}) {
-    stroke.pose.position.x() = x;
-    stroke.blade.teleport(stroke.pose);
-    ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
-    EXPECT_TRUE(stroke.sim.cuts().empty()) << x;
+  for (const int calls_without_steps : {0, 1}) {
+    Stroke stroke("cpu", 0.0, -0.005);
+    ASSERT_TRUE(stroke.go_on(0.0).ok());
+    for (const double x : {-0.02, 0.08}) {
+      stroke.pose.position.x() = x;
+      stroke.blade.teleport(stroke.pose);
+      for (int call = 0; call < calls_without_steps; ++call) ASSERT_TRUE(stroke.sim.advance(0.0).ok());
+      ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
+      EXPECT_TRUE(stroke.sim.cuts().empty()) << calls_without_steps << ' ' << x;
+    }
   }
 }
 
