@@ -332,6 +332,9 @@ void ToolSet::act_by_threads(TouchedParticles& touched) {
                              tool.needle && tool.needle->state().free};
   };
   threads_.act(touched, find_tool, supports);
+}
+
+void ToolSet::feel(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     const ToolFrame end(tool.moved.motion.next_pose);
     const int particles = tool.next_force.particles;
