@@ -127,6 +127,7 @@ void ToolSet::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
     const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
+    tool.is_taken = false;
     if (tool.surface) tool.surface->forget();
     if (tool.blade) tool.blade->restore(known ? known->blade : std::vector<BladePoint>{});
     if (tool.needle) {
@@ -165,7 +166,7 @@ void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
   at_once_ = at_once;
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     const bool moves = tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
-    if (tools_[row].needle && moves) tools_[row].needle->set_free(false);
+    tools_[row].is_taken = tools_[row].is_taken || moves;
     if (tools_[row].blade) tools_[row].blade->begin_call();
     if (tools_[row].needle) tools_[row].needle->follow_stiffness(scene.model(), scene.stiffness_factors());
   }
@@ -236,7 +237,7 @@ void ToolSet::ways(double dt, std::vector<ToolWay>& ways) const {
     ToolMotion motion = tool.moved.motion;
     motion.advance(dt);
     // A tool that is where it has to be in one step passed nothing on its way, and dampers feel no speed.
-    const bool is_free = tool.needle && (tool.needle->state().free || tool.moved.releases);
+    const bool is_free = tool.needle && ((tool.needle->state().free && !tool.is_taken) || tool.moved.releases);
     ways.push_back({at_once_ ? motion.next_pose : motion.pose, motion.next_pose, is_free});
   }
 }
@@ -291,6 +292,7 @@ void ToolSet::act(TouchedParticles& touched) {
                       (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
     if (tool.moved.grasps || tool.moved.releases) tool.before = tool.moved;
     if (tool.needle) tool.needle->remember();
+    if (tool.needle && tool.is_taken) tool.needle->set_free(false);
     if (tool.needle && tool.moved.releases) tool.needle->set_free(true);
     if (tool.moved.releases) tool.moved.release();
   }
@@ -369,6 +371,7 @@ void ToolSet::accept() {
   threads_.accept();
   for (Moving& tool : tools_) {
     tool.before.reset();
+    tool.is_taken = false;
     if (tool.needle) {
       tool.needle->accept();
       tool.moved.report.shaft = tool.needle->state().shaft;

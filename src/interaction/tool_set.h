@@ -71,6 +71,7 @@ class ToolSet {
     ContactLaw<double> law;
     Region bounds;  // of the shape in its own frame
     std::optional<NeedlePath> needle{};
+    bool is_taken = false;  // a needle that was let go, in the next step
     std::optional<BladeEdge> blade{};
     std::optional<SurfacePress> surface{};  // of ToolContact::surface
     std::optional<MovedTool> before{};      // where it takes hold or lets go in the step in question
