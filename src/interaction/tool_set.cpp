@@ -304,7 +304,7 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     ToolMotion& motion = tool.moved.motion;
     if (tool.needle) {
-      tool.needle->act(touched, motion.pose, motion.next_pose, tool.next_force);
+      tool.needle->act(touched, motion.pose, motion.placed, motion.next_pose, tool.next_force);
       if (!threads_.empty()) threads_.follow_needle(tool.moved.name, tool.needle->passed(), motion.pose);
     }
     if (tool.blade) tool.blade->act(touched, motion.pose, motion.next_pose, tool.next_force);

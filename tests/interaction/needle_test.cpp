@@ -204,5 +204,23 @@ TEST(NeedleLetGo, DrivesTheBodyByNothingThatPullsIt) {
   }
 }
 
+/// A swaged one that is put elsewhere along itself sews nothing on its way.
+TEST(NeedleTeleported, PassesNothing) {
+  const Model model = soft_block({0.016, 0.012, 0.01}, 5, 4, 3);
+  Scene scene(model);
+  const Needle dart{.length = 0.02, .radius = 0.3e-3, .puncture = 0.04, .cutting = 0.015, .spread = 0.003};
+  const ToolHandle needle =
+      scene.fix("z0").add_tool("needle", {.shape = dart, .pose = {.position = {0.008, 0.006, 0.004}}});
+  scene.swage("thread", {.length = 0.15}, "needle");
+  const auto solver = make_solver("reference", model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  ASSERT_TRUE(solver->step(2, dt).ok());
+  ASSERT_GT(solver->read().tools[0].needle.hole.size(), 1u);
+  needle.teleport({.position = {0.008, 0.006, -0.1}});
+  ASSERT_TRUE(solver->step(2, dt).ok());
+  EXPECT_TRUE(solver->thread_state("thread").sewn.empty());
+  EXPECT_EQ(solver->read().tools[0].needle, NeedleState{});
+}
+
 }  // namespace
 }  // namespace phymul::test
