@@ -158,6 +158,7 @@ class ReferenceSolver final : public SolverBackend {
     touched_.begin(step, plan.dt, last_dt_);
     tools_.act(touched_);
     const int lost = touching_.act(touched_);
+    tools_.feel(touched_);
     touched_.end();
     if (local_) add_pushes();
     if (has_implicit_joints()) {

@@ -124,7 +124,7 @@ class BladeEdge {
   std::vector<Index> place_of_;                      // [N] of particles as far as they were asked for, else -1
   VecList rest_;                                     // m, by place
   std::vector<std::vector<Index>> sites_at_;         // by place
-  Index rows_ = 0;                                   // of Model::cells, without those of cuts
+  Index rows_ = 0;                                   // of Model::cells: behind them are those of cuts alone
   std::vector<Index> site_of_row_;                   // [rows_] at least, -1
   std::vector<Index> divided_;                       // sites with further rows
   std::vector<Point> points_, next_;                 // by place along the edge

@@ -19,21 +19,19 @@ constexpr double most_points = 1e4;  // so that an edge of any length has room
 void BladeEdge::build() {
   double volume = 0.0, area = 0.0;
   std::map<std::array<Index, 3>, std::pair<Index, int>> faces;
-  rows_ = static_cast<Index>(model_.cells.size());
   site_of_row_.assign(model_.cells.size(), -1);
-  for (Index row = 0; row < rows_; ++row) {
+  for (Index row = 0; row < static_cast<Index>(model_.cells.size()); ++row) {
     const Cell& cell = model_.cells[row];
     const bool wall = is_of_wall(model_, cell);
     if (cell.type != CellType::tetrahedron && !wall) continue;
     const Key key = key_of(cell);
     sites_at_.resize(place_at_.size());
     if (const Index known = site_of(key); known >= 0) {
-      // Rows of cuts go when these are undone: follow_body() has them.
-      if (!cell.cuts.empty()) rows_ = row;
-      if (cell.cuts.empty()) sites_[known].further.push_back(row);
+      sites_[known].further.push_back(row);
       continue;
     }
     const auto site = static_cast<Index>(sites_.size());
+    rows_ = row + 1;
     sites_.push_back({row, key, wall ? model_.materials[cell.material].thickness : 0.0});
     site_of_row_[row] = site;
     const std::size_t corners = cell.particles.size();
@@ -54,6 +52,8 @@ void BladeEdge::build() {
     }
   }
   if (sites_.empty()) return;
+  // Rows of cuts go when these are undone: follow_body() has those behind the last site.
+  for (Site& site : sites_) std::erase_if(site.further, [&](Index row) { return row >= rows_; });
   const auto places = static_cast<double>(place_at_.size());
   spacing_ = volume > 0.0 ? std::cbrt(volume / places) : std::sqrt(area / places);
   count_ = static_cast<Index>(std::clamp(std::ceil(points_in_spacing * curve_.length() / spacing_), 1.0, most_points));

@@ -35,10 +35,6 @@ bool is_deep(double distance, const ContactSurface::Triangle& triangle, const Co
   return distance > ContactSurface::depth_factor * std::max(triangle.edge, own.edge);
 }
 
-void push(TouchedParticles::Touched& particle, const Vec3& impulse) {
-  if (!particle.held) TouchedParticles::push(particle, impulse);
-}
-
 }  // namespace
 
 void BodyContacts::follow(const Scene& scene, FollowedSurface& surface) {
@@ -270,7 +266,7 @@ void BodyContacts::press(Contact& contact, TouchedParticles& touched) const {
     return v;
   };
   const auto give = [&](const Vec3& impulse) {
-    for (const auto& [slot, weight] : shares(contact)) push(touched[slot], weight * impulse);
+    for (const auto& [slot, weight] : shares(contact)) TouchedParticles::pull(touched[slot], weight * impulse);
   };
 
   if (contact.mobility == 0.0) return;

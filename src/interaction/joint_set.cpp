@@ -59,8 +59,14 @@ void JointSet::follow(const Scene& scene) {
 
   std::vector<Followed> now;
   for (const SceneJoint& joint : scene.joints()) {
-    Followed followed{
-        .id = joint.id, .name = joint.name, .springs = {}, .next = {}, .reach = {}, .arm = {}, .report = {}};
+    Followed followed{.id = joint.id,
+                      .name = joint.name,
+                      .springs = {},
+                      .next = {},
+                      .reach = {},
+                      .arm = {},
+                      .loose = {},
+                      .report = {}};
     for (const JointSpring& spring : joint.joint.springs) {
       followed.springs.push_back({end_of(spring.a, scene.tools()), end_of(spring.b, scene.tools())});
     }
@@ -71,6 +77,7 @@ void JointSet::follow(const Scene& scene) {
     followed.next = followed.report.springs;
     followed.reach.resize(followed.springs.size());
     followed.arm.assign(followed.springs.size(), Vec3::Zero());
+    followed.loose.assign(followed.springs.size(), 0);
     now.push_back(std::move(followed));
   }
   joints_ = std::move(now);
@@ -150,7 +157,9 @@ void JointSet::act(std::size_t joint_row, std::span<const ToolWay> tools, double
     if (a.tool >= 0) followed.arm[row] = at_a.position - tools[a.tool].next_pose.position;
     if (b.tool >= 0) followed.arm[row] = at_b.position - tools[b.tool].next_pose.position;
     next = {.length = r.norm(), .broken = followed.report.springs[row].broken};
-    if (next.broken) continue;
+    const auto is_free = [&](const End& end) { return end.tool >= 0 && tools[end.tool].is_free; };
+    followed.loose[row] = is_free(a) || is_free(b) ? 1 : 0;
+    if (next.broken || followed.loose[row] != 0) continue;
     const JointSpring& spring = joint.springs[row];
     next.force = spring_force(joint, spring, r, v);
     energy_ += spring_energy(joint, spring, next.length);
@@ -260,7 +269,7 @@ JointSet joints_of(const Scene& scene, const State& state) {
   for (const SceneTool& tool : scene.tools()) {
     const auto known = std::ranges::find(state.tools, tool.name, &ToolState::name);
     const ToolPose& pose = known != state.tools.end() ? known->pose : tool.pose;
-    tools.push_back({pose, pose});
+    tools.push_back({pose, pose, known != state.tools.end() && known->needle.free});
   }
   for (JointSet::Point& point : joints.points()) {
     point.position = state.position[point.particle];

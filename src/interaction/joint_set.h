@@ -19,6 +19,7 @@ namespace phymul {
 /// A tool during one step; of a state alone both are the same.
 struct ToolWay {
   ToolPose pose, next_pose;
+  bool is_free = false;  // a needle that was let go: nothing pulls it
 };
 
 /// Upper bounds of what the joints of a scene add to a body: of the largest eigenvalue of M^-1 K, 1/s^2, and of M^-1 C,
@@ -74,11 +75,13 @@ class JointSet {
   struct Now {
     const Vec3& reach;  ///< m, from anchor `a` to `b`
     const Vec3& force;  ///< N, on anchor `a`
-    bool was_broken, left_out;
+    bool was_broken;    ///< or at a needle that was let go
+    bool left_out;
   };
   Now now(std::size_t joint, std::size_t spring) const {
     const Followed& of = joints_[joint];
-    return {of.reach[spring], of.next[spring].force, of.report.springs[spring].broken, is_left_out(joint)};
+    return {of.reach[spring], of.next[spring].force, of.report.springs[spring].broken || of.loose[spring] != 0,
+            is_left_out(joint)};
   }
 
   /// Of a spring that the last act() left out: the force on anchor `a`, N, that it has in this step. Once a step.
@@ -118,6 +121,7 @@ class JointSet {
     std::vector<SpringReport> next;  // of the step in question
     VecList reach;                   // [springs] m, likewise
     VecList arm;                     // [springs] m, likewise: from a tool, at the step's end, to the end that it has
+    std::vector<char> loose;         // [springs] likewise: it is at a needle that was let go
     JointReport report;
   };
   struct Motion {

@@ -163,8 +163,8 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
     auto* copy = touched.find(surface.particles[k]);
     if (copy == nullptr) {
       if (impulse != Vec3::Zero()) touched.push_last(surface.particles[k], impulse);
-    } else if (!copy->held) {
-      TouchedParticles::push(*copy, impulse);
+    } else {
+      TouchedParticles::pull(*copy, impulse);
     }
   }
   return true;

@@ -76,7 +76,7 @@ const ToolState* MovedTool::reset(const SceneTool& wanted, const State& state, s
   motion.placed = known == nullptr || known->placed;
   report.held = static_cast<int>(held.size());
   grasps = releases = false;
-  report.grasps = wanted.grasping && first && !known ? wanted.grasps - 1 : wanted.grasps;
+  report.grasps = seen_grasps_ = wanted.grasping && first && !known ? wanted.grasps - 1 : wanted.grasps;
   report.force = {};
   weigh_held(mass);
   return known;
@@ -111,7 +111,7 @@ bool MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once
   if (report.grasps == wanted.grasps) return moves;
   releases = releases || wanted.released > report.grasps;  // a step that failed has not done it
   grasps = wanted.grasping;
-  report.grasps = wanted.grasps;
+  seen_grasps_ = wanted.grasps;
   grasp_distance = wanted.grasp_distance;
   return moves;
 }
@@ -164,6 +164,7 @@ void MovedTool::accept_pose() {
   report.last_pose = motion.pose;
   motion.accept();
   report.pose = motion.pose;
+  report.grasps = seen_grasps_;
 }
 
 void MovedTool::tell(const ToolForce& last, const Vec3& sum_force, const Vec3& sum_torque, int steps) {

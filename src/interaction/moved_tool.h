@@ -62,7 +62,7 @@ struct MovedTool {
   void place(const ToolPose& pose);
   void place_first(const SceneTool& tool);
 
-  std::uint64_t seen_moves_ = 0, seen_places_ = 0;
+  std::uint64_t seen_moves_ = 0, seen_places_ = 0, seen_grasps_ = 0;
   Vec3 sum_force_{0, 0, 0}, sum_torque_{0, 0, 0};  // over the steps of this call
   int summed_ = 0;
 };

@@ -153,10 +153,11 @@ void NeedlePath::settle(TouchedParticles& touched, ToolPose& end_pose) {
   }
 }
 
-void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, ToolPose& end_pose, ToolForce& force) {
+void NeedlePath::act(TouchedParticles& touched, const ToolPose& start_pose, bool placed, ToolPose& end_pose,
+                     ToolForce& force) {
   const ShaftLine start(needle_, start_pose);
   gives_way_ = false;
-  follow(touched, start);
+  follow(touched, start, placed);
   given_.clear();
   loads_.clear();
   if (state_.free) end_pose = {.position = start_pose.position, .orientation = start_pose.orientation};

@@ -325,16 +325,20 @@ void NeedlePath::lengthen(const PredictedStep& step, const ShaftLine& line) {
 }
 
 /// What has passed the tail is the thread's.
-void NeedlePath::pass_tail(const PredictedStep& step, const ShaftLine& line) {
+void NeedlePath::pass_tail(const PredictedStep& step, const ShaftLine& line, bool placed) {
   passed_.clear();
   std::vector<NeedleNode>& hole = state_.hole;
-  while (hole.size() > 1 || (!hole.empty() && state_.through)) {
+  const bool was_empty = hole.empty();
+  while (!hole.empty()) {
     const Vec3 x = place(hole.front(), step);
-    if (!(line.along(x) > needle_.length)) return;
-    passed_.push_back({{.particles = hole.front().particles, .weights = hole.front().weights}, x});
+    const double along = line.along(x);
+    // What is just behind the tail of a placed one it may have passed in the step before.
+    const bool jumped = placed && along > needle_.length + spread_;
+    if (!jumped && (!(along > needle_.length) || (hole.size() == 1 && !state_.through))) return;
+    if (!jumped) passed_.push_back({{.particles = hole.front().particles, .weights = hole.front().weights}, x});
     hole.erase(hole.begin());
   }
-  if (!passed_.empty() && hole.empty()) forget();
+  if (!was_empty) forget();
 }
 
 /// True where the tip has left a hole the way it came: as far as the skin gave way, so that rounding does not part
@@ -352,9 +356,9 @@ bool NeedlePath::withdraw(const PredictedStep& step, const ShaftLine& line) {
   return true;
 }
 
-void NeedlePath::follow(const TouchedParticles& touched, const ShaftLine& line) {
+void NeedlePath::follow(const TouchedParticles& touched, const ShaftLine& line, bool placed) {
   const PredictedStep& step = touched.step();
-  pass_tail(step, line);
+  pass_tail(step, line, placed);
   const bool pressed = !state_.hole.empty() && !state_.through;
   while (withdraw(step, line)) {
   }

@@ -27,8 +27,8 @@ class NeedlePath {
   NeedlePath(const Needle& needle, double friction, const Model& model);
 
   /// `force`: what it takes from the particles is added there. `end`: of a needle that was let go, where the tissue
-  /// takes it.
-  void act(TouchedParticles& touched, const ToolPose& start, ToolPose& end, ToolForce& force);
+  /// takes it. `placed`: it was put at `start`, so that it passed nothing.
+  void act(TouchedParticles& touched, const ToolPose& start, bool placed, ToolPose& end, ToolForce& force);
   void accept();                         ///< the step counts
   void remember() { before_ = state_; }  ///< before act() and set_free() of a step
   void drop() { state_ = before_; }      ///< the step does not count
@@ -66,8 +66,8 @@ class NeedlePath {
   };
 
   // Where the holes go, by the positions at the step's start: needle_path.cpp.
-  void follow(const TouchedParticles& touched, const ShaftLine& line);
-  void pass_tail(const PredictedStep& step, const ShaftLine& line);
+  void follow(const TouchedParticles& touched, const ShaftLine& line, bool placed);
+  void pass_tail(const PredictedStep& step, const ShaftLine& line, bool placed);
   bool withdraw(const PredictedStep& step, const ShaftLine& line);
   bool enter(const PredictedStep& step, const ShaftLine& line);
   bool come_out(const PredictedStep& step, const ShaftLine& line);

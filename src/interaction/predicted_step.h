@@ -129,7 +129,7 @@ class TouchedParticles {
     return taken;
   }
 
-  /// Likewise; of a particle that a tool holds this is the tool's.
+  /// Likewise; of a particle that a tool holds this is the tool's: ToolSet::feel().
   static void pull(Touched& touched, const Vec3& impulse) {
     if (touched.held) {
       touched.handed_on += touched.free_part(impulse);

@@ -41,6 +41,12 @@ Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolF
   return region;
 }
 
+/// Whether a step is a remainder, as at the end of a loop of calls: so short that an impulse which puts right what
+/// single precision rounds would be a blow.
+bool is_remainder(const TouchedParticles& touched) {
+  return touched.dt() < 1e-3 * touched.last_dt();
+}
+
 /// Tool::suction. `found`: room.
 void suck(const Tool& tool, const ShapeIn<double>& shape, const Region& bounds, const ToolFrame& frame,
           TouchedParticles& touched, std::vector<Index>& found, ToolForce& force) {
@@ -121,6 +127,7 @@ void ToolSet::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     Moving& tool = tools_[row];
     const ToolState* const known = tool.moved.reset(scene.tools()[row], state, scene.model().mass, !was_reset_);
+    tool.is_taken = false;
     if (tool.surface) tool.surface->forget();
     if (tool.blade) tool.blade->restore(known ? known->blade : std::vector<BladePoint>{});
     if (tool.needle) {
@@ -159,7 +166,7 @@ void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
   at_once_ = at_once;
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     const bool moves = tools_[row].moved.begin_call(scene.tools()[row], steps, at_once);
-    if (tools_[row].needle && moves) tools_[row].needle->set_free(false);
+    tools_[row].is_taken = tools_[row].is_taken || moves;
     if (tools_[row].blade) tools_[row].blade->begin_call();
     if (tools_[row].needle) tools_[row].needle->follow_stiffness(scene.model(), scene.stiffness_factors());
   }
@@ -186,13 +193,16 @@ void ToolSet::take_hold(Moving& tool, TouchedParticles& touched) {
   tool.moved.weigh_held(touched.mass());
 }
 
-/// The impulse that takes each held particle to its place in the frame of the step's end.
+/// The impulse that takes each held particle to its place in the frame of the step's end. In a remainder from its place
+/// at the start.
 void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
-  const ToolFrame end(tool.moved.motion.next_pose);
+  const ToolFrame start(tool.moved.motion.pose), end(tool.moved.motion.next_pose);
   const double dt = touched.dt();
   for (std::size_t k = 0; k < tool.moved.held.size(); ++k) {
     TouchedParticles::Touched& particle = touched[touched.slot(tool.moved.held[k])];
-    const Vec3 velocity = (end.outside(tool.moved.held_at[k]) - particle.position) / dt;
+    const Vec3 from = is_remainder(touched) ? start.outside(tool.moved.held_at[k]) : particle.position;
+    particle.shift += particle.free_part(from - particle.position);
+    const Vec3 velocity = (end.outside(tool.moved.held_at[k]) - from) / dt;
     const Vec3 given = TouchedParticles::push(particle, (velocity - particle.velocity) / particle.inverse_mass);
     particle.held = true;
     react(tool.next_force, end, particle.position, given - dt * particle.free_part(particle.withheld), dt);
@@ -227,7 +237,8 @@ void ToolSet::ways(double dt, std::vector<ToolWay>& ways) const {
     ToolMotion motion = tool.moved.motion;
     motion.advance(dt);
     // A tool that is where it has to be in one step passed nothing on its way, and dampers feel no speed.
-    ways.push_back({at_once_ ? motion.next_pose : motion.pose, motion.next_pose});
+    const bool is_free = tool.needle && ((tool.needle->state().free && !tool.is_taken) || tool.moved.releases);
+    ways.push_back({at_once_ ? motion.next_pose : motion.pose, motion.next_pose, is_free});
   }
 }
 
@@ -277,9 +288,11 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     tool.next_force = {};
     tool.moved.motion.advance(touched.dt());
-    tool.law.placed = tool.moved.motion.placed || (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
+    tool.law.placed = tool.moved.motion.placed || is_remainder(touched) ||
+                      (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
     if (tool.moved.grasps || tool.moved.releases) tool.before = tool.moved;
     if (tool.needle) tool.needle->remember();
+    if (tool.needle && tool.is_taken) tool.needle->set_free(false);
     if (tool.needle && tool.moved.releases) tool.needle->set_free(true);
     if (tool.moved.releases) tool.moved.release();
   }
@@ -291,7 +304,7 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     ToolMotion& motion = tool.moved.motion;
     if (tool.needle) {
-      tool.needle->act(touched, motion.pose, motion.next_pose, tool.next_force);
+      tool.needle->act(touched, motion.pose, motion.placed, motion.next_pose, tool.next_force);
       if (!threads_.empty()) threads_.follow_needle(tool.moved.name, tool.needle->passed(), motion.pose);
     }
     if (tool.blade) tool.blade->act(touched, motion.pose, motion.next_pose, tool.next_force);
@@ -322,6 +335,9 @@ void ToolSet::act_by_threads(TouchedParticles& touched) {
                              tool.needle && tool.needle->state().free};
   };
   threads_.act(touched, find_tool, supports);
+}
+
+void ToolSet::feel(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     const ToolFrame end(tool.moved.motion.next_pose);
     const int particles = tool.next_force.particles;
@@ -355,6 +371,7 @@ void ToolSet::accept() {
   threads_.accept();
   for (Moving& tool : tools_) {
     tool.before.reset();
+    tool.is_taken = false;
     if (tool.needle) {
       tool.needle->accept();
       tool.moved.report.shaft = tool.needle->state().shaft;

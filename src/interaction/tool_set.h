@@ -48,6 +48,7 @@ class ToolSet {
   void pull(std::span<const JointSet::Pull> pulls);
   /// Acts on one step: hold, pierce, cut, suck, press, then threads.
   void act(TouchedParticles& touched);
+  void feel(TouchedParticles& touched);           ///< what pulled at the particles that tools hold: after all that acts
   const MovedTool* find(std::uint64_t id) const;  ///< null where follow() has not seen it
   // Of a row of Scene::tools().
   const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
@@ -70,6 +71,7 @@ class ToolSet {
     ContactLaw<double> law;
     Region bounds;  // of the shape in its own frame
     std::optional<NeedlePath> needle{};
+    bool is_taken = false;  // a needle that was let go, in the next step
     std::optional<BladeEdge> blade{};
     std::optional<SurfacePress> surface{};  // of ToolContact::surface
     std::optional<MovedTool> before{};      // where it takes hold or lets go in the step in question

@@ -18,7 +18,7 @@
 namespace phymul {
 namespace {
 
-constexpr double most_nodes = 1e5;
+constexpr double most_nodes = 1e5, node_rounding = 1e-9;
 constexpr std::size_t most_passages = 100;  // a step solves them together
 
 std::string thread_label(std::string_view thread) {
@@ -43,7 +43,8 @@ void require_constants(const std::string& label, const Thread& of) {
   require_not_negative(label, "damping (1/s)", of.damping);
   require_not_negative(label, "friction", of.friction);
   require_not_negative(label, "channel friction (N)", of.channel_friction);
-  require("segment (m) of at least 1e-5 of the length", of.segment, of.length / of.segment <= most_nodes);
+  require("segment (m) for at most 100,000 nodes", of.segment,
+          of.length / of.segment * (1.0 - node_rounding) <= most_nodes - 1.0);
 }
 
 void require_finite(const SceneThread& thread, const char* what, const Vec3& value) {
@@ -90,7 +91,7 @@ double bending_stiffness(const Thread& thread) {
 }
 
 Index SceneThread::nodes() const {
-  return static_cast<Index>(std::max(1.0, std::ceil(thread.length / thread.segment * (1.0 - 1e-9)))) + 1;
+  return static_cast<Index>(std::max(1.0, std::ceil(thread.length / thread.segment * (1.0 - node_rounding)))) + 1;
 }
 
 void Scene::require_new_thread(const SceneThread& thread) const {
@@ -191,7 +192,10 @@ ThreadHandle Scene::add_clip(std::string name, const Clip& clip, const Anchor& o
       throw Error(label + "expected a finite " + what + " above 0, got " + to_decimal(value));
     }
   }
-  for (const Anchor& anchor : {one, other}) AnchorCheck{label, *model_, tools_}(anchor);
+  for (const Anchor& anchor : {one, other}) {
+    if (anchor.particles.empty()) throw Error(label + "expected particles, got none");
+    AnchorCheck{label, *model_, tools_}(anchor);
+  }
   const double apart = (anchor_place(one, model_->rest, {}) - anchor_place(other, model_->rest, {})).norm();
   // Of clamps of one force the first lets thread through. The tail behind each is as long as the opening.
   Thread thread{.length = apart + 2.0 * clip.opening, .friction = 0.0};
@@ -325,6 +329,10 @@ void ThreadHandle::set(const ThreadControl& wanted) const {
     }
     if (wanted.knots != now.knots) {
       for (const Knot& knot : now.knots) loosen(knot.a, knot.b);
+      // Of passages to come, where the tip was at a needle between the calls of set().
+      const auto count = static_cast<Index>(before.passages.size());
+      const bool are_ahead = std::ranges::any_of(wanted.knots, [&](const Knot& knot) { return knot.b >= count; });
+      if (are_ahead && before.is_sewn()) own().direction = Vec3::Zero();
       for (const Knot& knot : wanted.knots) {
         tie(knot.a, knot.b, knot.throws);
         take_call(own().control.knots.back().call, knot.call);

@@ -211,6 +211,7 @@ class EdgeNow {
 }  // namespace
 
 void Simulation::Parts::cut_with_blades(StepReport& report) {
+  if (report.steps == 0) return;  // a blade that was teleported is not there yet
   for (const SceneTool& tool : scene.tools()) {
     const auto* const blade = std::get_if<Blade>(&tool.tool.shape);
     if (blade == nullptr) continue;

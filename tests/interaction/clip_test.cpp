@@ -157,6 +157,8 @@ TEST(Clip, RefusesWhatIsNone) {
   EXPECT_TRUE(refuses(add({.holding = 0.0}, at_particle(5)), "holding force (N) above 0, got 0"));
   EXPECT_TRUE(refuses(add({.opening = std::nan("")}, at_particle(5)), "opening (m) above 0"));
   EXPECT_TRUE(refuses(add({}, at_world({0, 0, 0})), "expected particles, got none"));
+  wound.scene.add_tool("tool", {.shape = Sphere{1e-3}});
+  EXPECT_TRUE(refuses(add({}, at_tool("tool")), "clip \"c\": expected particles, got none"));
   EXPECT_TRUE(refuses(add({}, at_particle(0)), "expected places that differ"));
   add({.opening = 200.0}, at_particle(5))();
   wound.scene.remove_thread("c");

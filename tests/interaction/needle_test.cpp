@@ -170,5 +170,57 @@ TEST(NeedleShaft, BehindTheBodyTheTipIsFree) {
               0.15 * 10.0 * block_side);  // friction alone, along the block's whole height
 }
 
+/// A body that floats with a needle in it, which a stiff joint and a free thread tie to its side.
+TEST(NeedleLetGo, DrivesTheBodyByNothingThatPullsIt) {
+  const Model model = soft_block({0.016, 0.012, 0.01}, 5, 4, 3);
+  for (const char* backend : {"reference", "cpu"}) {
+    for (const bool thread : {false, true}) {
+      Scene scene(model);
+      const Needle dart{.length = 0.02, .radius = 0.3e-3, .puncture = 0.04, .cutting = 0.015, .spread = 0.003};
+      ToolPose pose{.position = {0.008, 0.006, 0.0101}};
+      const ToolHandle needle = scene.fix("z0").add_tool("needle", {.shape = dart, .pose = pose});
+      const auto solver = make_solver(backend, model, scene);
+      const double dt = 0.3 * solver->stable_step();
+      pose.position.z() -= 0.006;
+      needle.move_to(pose);
+      ASSERT_TRUE(solver->step(200, dt).ok());
+      ASSERT_GT(solver->read().tools[0].needle.hole.size(), 2u);
+      scene.remove(0);
+      needle.release();
+      const Anchor side = at_particle(model.group("x0")[3]), hub = at_tool("needle", {0, 0, 0.02});
+      if (thread) {
+        const ThreadHandle free = scene.add_thread({.length = 0.02}, {0.002, 0.006, 0.012}, {0, 0, 1});
+        free.join(ThreadTip::first, side);
+        free.join(ThreadTip::last, hub);
+      } else {
+        scene.add_joint({side, hub, 0.0}, 20.0);
+      }
+      const Vec3 before = solver->momentum().linear;
+      ASSERT_TRUE(solver->step(100, dt).ok());
+      const double gained = (solver->momentum().linear - before).norm();
+      EXPECT_LT(gained, 1e-6) << backend << thread;
+      EXPECT_TRUE(solver->read().tools[0].needle.free);
+    }
+  }
+}
+
+/// A swaged one that is put elsewhere along itself sews nothing on its way.
+TEST(NeedleTeleported, PassesNothing) {
+  const Model model = soft_block({0.016, 0.012, 0.01}, 5, 4, 3);
+  Scene scene(model);
+  const Needle dart{.length = 0.02, .radius = 0.3e-3, .puncture = 0.04, .cutting = 0.015, .spread = 0.003};
+  const ToolHandle needle =
+      scene.fix("z0").add_tool("needle", {.shape = dart, .pose = {.position = {0.008, 0.006, 0.004}}});
+  scene.swage("thread", {.length = 0.15}, "needle");
+  const auto solver = make_solver("reference", model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  ASSERT_TRUE(solver->step(2, dt).ok());
+  ASSERT_GT(solver->read().tools[0].needle.hole.size(), 1u);
+  needle.teleport({.position = {0.008, 0.006, -0.1}});
+  ASSERT_TRUE(solver->step(2, dt).ok());
+  EXPECT_TRUE(solver->thread_state("thread").sewn.empty());
+  EXPECT_EQ(solver->read().tools[0].needle, NeedleState{});
+}
+
 }  // namespace
 }  // namespace phymul::test

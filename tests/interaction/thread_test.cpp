@@ -320,12 +320,15 @@ TEST(Thread, RefusesWhatItCannotBe) {
        {Thread{.length = nan}, Thread{.radius = infinite}, Thread{.young = 0.0}, Thread{.bending_stiffness = nan},
         Thread{.density = nan}, Thread{.segment = -1e-3}, Thread{.damping = nan}, Thread{.friction = -0.1},
         Thread{.channel_friction = nan}, Thread{.breaking_force = 0.0}, Thread{.passage_limit = nan},
-        Thread{.throw_holding = infinite}, Thread{.segment = 1e-9}}) {
+        Thread{.throw_holding = infinite}, Thread{.segment = 1e-9}, Thread{.length = 1.0, .segment = 1e-5}}) {
     EXPECT_TRUE(refuses(add(bad), "thread \"t\": expected a"));
   }
   EXPECT_TRUE(refuses(add({}, {nan, 0, 0}), "expected a finite start"));
   EXPECT_TRUE(refuses(add({}, {0, 0, 0}, {0, 0, 0}), "expected a direction whose length is not 0"));
   EXPECT_TRUE(scene.threads().empty());
+  add({.length = 0.99999, .segment = 1e-5})();
+  EXPECT_EQ(scene.thread("t").thread().nodes(), 100000);
+  scene.remove_thread("t");
   const ThreadHandle thread = scene.add_thread("t", {.length = 0.03}, Vec3::Zero(), {2, 0, 0});
   EXPECT_TRUE(refuses(add({}), "there is one of that name"));
   EXPECT_TRUE(refuses([&] { thread.hold(11, Vec3::Zero()); }, "thread \"t\": expected nodes from 0 to 10, got 11"));

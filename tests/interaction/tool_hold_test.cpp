@@ -229,5 +229,31 @@ TEST_P(ToolHoldAndNeedle, OfAnotherShapeIsRefusedAndTheSolverIsAsItWas) {
   EXPECT_EQ(held("jaw"), face);
 }
 
+/// What bodies gain is what the tool gives, also where another body and a fluid press on particles that it holds.
+TEST(ToolHoldFeels, WhatPressesOnWhatItHolds) {
+  const Model model = cubes_apart(2e-4);
+  const double top = 2.0 * cubes_edge + 2e-4;
+  const Scene contacts = Scene(model).contacts({.friction = 0.3}), fluid = Scene(model).constrain_volume("upper");
+  for (const Scene* of : {&contacts, &fluid}) {
+    for (const char* backend : {"reference", "cpu"}) {
+      Scene scene = of->copy();
+      ToolPose pose{.position = {0.01, 0.01, top + (of == &fluid ? 0.5 * cubes_edge : 0.0)}};
+      const ToolHandle grip = scene.add_tool("grip", {.shape = Box{Vec3(0.6, 0.6, 1.005) * cubes_edge}, .pose = pose});
+      grip.grasp(0.0);
+      const auto solver = make_solver(backend, model, scene);
+      const double dt = 0.3 * solver->stable_step();
+      for (int k = 0; k < 60; ++k) {
+        pose.position += Vec3(2e-6, 0, -1e-5);
+        grip.move_to(pose);
+        const Momentum before = solver->momentum();
+        ASSERT_TRUE(solver->step(1, dt).ok());
+        const Imbalance left = imbalance(before, solver->momentum(), *solver, {"grip"}, dt);
+        ASSERT_LT(left.force.norm(), 1e-6) << backend << (of == &fluid);
+        ASSERT_LT(left.torque.norm(), 1e-3 * cubes_edge) << "contacts act over a gap";
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace phymul::test

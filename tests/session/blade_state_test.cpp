@@ -6,6 +6,7 @@
 #include <phymul/phymul.h>
 
 #include <algorithm>
+#include <array>
 
 #include "support/message_of.h"
 #include "support/stroke.h"
@@ -35,15 +36,19 @@ TEST(BladeState, AFastOneGoesOnFromASnapshotAsItDid) {
   }
 }
 
-/// From 2 mm before the slab to more than two spacings beyond it; then from there back.
+/// From 2 mm before the slab to more than two spacings beyond it; then from there back. With a call without steps
+/// between, in which it is not there yet.
 TEST(BladeState, ATeleportedOneCutsNothingOnItsWay) {
-  Stroke stroke("cpu", 0.0, -0.005);
-  ASSERT_TRUE(stroke.go_on(0.0).ok());
-  for (const double x : {-0.02, 0.08}) {
-    stroke.pose.position.x() = x;
-    stroke.blade.teleport(stroke.pose);
-    ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
-    EXPECT_TRUE(stroke.sim.cuts().empty()) << x;
+  for (const int calls_without_steps : {0, 1}) {
+    Stroke stroke("cpu", 0.0, -0.005);
+    ASSERT_TRUE(stroke.go_on(0.0).ok());
+    for (const double x : {-0.02, 0.08}) {
+      stroke.pose.position.x() = x;
+      stroke.blade.teleport(stroke.pose);
+      for (int call = 0; call < calls_without_steps; ++call) ASSERT_TRUE(stroke.sim.advance(0.0).ok());
+      ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
+      EXPECT_TRUE(stroke.sim.cuts().empty()) << calls_without_steps << ' ' << x;
+    }
   }
 }
 
@@ -176,6 +181,30 @@ TEST(BladeState, CutsACoarseBodyBesideAFineOneToo) {
   const auto alone = cut_cells(false);
   EXPECT_GT(alone, 0);
   EXPECT_EQ(cut_cells(true), alone);
+}
+
+/// Whatever body comes first in the model.
+TEST(BladeState, IsHeldByABodyBesideOneWithACut) {
+  Model slab = make_tetrahedral_block({0.06, 0.04, 0.02}, 6, 4, 2, 0.25, 7);
+  set_material(slab, {1e4, 0.45, 1000.0});
+  const Model cut = cut_body(moved(slab, {0, 0.1, 0}), cut_plane({0.03, 0.12, 0.01}, {1, 0, 0}));
+  std::array<double, 2> force{};  // N
+  for (const std::size_t first : {0, 1}) {
+    const std::array<NamedBody, 2> bodies{{{"first", first == 0 ? &slab : &cut}, {"last", first == 0 ? &cut : &slab}}};
+    Simulation sim(with_spare_particles(merge_models(bodies), 200), {.backend = "cpu", .damping = {.rate = 20.0}});
+    sim.scene().fix("first/z0").fix("last/z0");
+    ToolPose pose = Stroke::first(-0.005);
+    const ToolHandle blade = sim.scene().add_tool(
+        "scalpel", {.shape = Blade{.width = 0.03, .toughness = 20.0, .height = 0.01}, .pose = pose});
+    for (int tick = 0; tick < 20; ++tick) {
+      pose.position.x() -= 0.3e-3;
+      blade.move_to(pose);
+      ASSERT_TRUE(sim.advance(1e-3).ok());
+    }
+    force[first] = sim.force_on(blade).mean_force.norm();
+  }
+  EXPECT_GT(force[0], 0.1);
+  EXPECT_NEAR(force[1] / force[0], 1.0, 0.01);
 }
 
 }  // namespace

@@ -199,5 +199,33 @@ TEST_P(NotFiniteOn, AStepThatIsNotFiniteFailsAndIsUndone) {
   }
 }
 
+/// What tools were asked for is still ahead then.
+TEST_P(NotFiniteOn, AStepThatFailsHasNotGraspedNorTakenANeedle) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 4, 4, 4);
+  Scene scene(model);
+  const ToolPose inside{.position = {0.011, 0.012, 0.01}};
+  const ToolHandle needle = scene.fix("z0").add_tool("needle", {.shape = Needle{.length = 0.03}, .pose = inside});
+  const ToolHandle jaw = scene.add_tool("jaw", {.shape = Sphere{5e-3}, .pose = {.position = {0.01, 0.01, 0.0255}}});
+  const ToolHandle far = scene.add_tool("far", {.shape = Sphere{1e-3}, .pose = {.position = {1e308, 0, 0}}});
+  const auto solver = make_solver(GetParam(), model, scene);
+  const double dt = 0.3 * solver->stable_step();
+  needle.release();
+  ASSERT_TRUE(solver->step(2, dt).ok());
+  const State before = solver->read();
+  ASSERT_TRUE(before.tools[0].needle.free && !before.tools[0].needle.hole.empty());
+  jaw.grasp(1e-3);
+  needle.move_to(inside);
+  far.move_to({.position = {-1e308, 0, 0}});
+  for (int call = 0; call < 2; ++call) {
+    ASSERT_FALSE(solver->step(2, dt).ok());
+    EXPECT_EQ(solver->read(), before);
+    EXPECT_TRUE(solver->has_grasp_ahead("jaw"));
+  }
+  far.teleport({});
+  ASSERT_TRUE(solver->step(1, dt).ok());
+  EXPECT_FALSE(solver->has_grasp_ahead("jaw") || solver->read().tools[0].needle.free);
+  EXPECT_EQ(solver->held("jaw"), 1);
+}
+
 }  // namespace
 }  // namespace phymul::test

@@ -201,6 +201,7 @@ bool PackedTools::act(const simd::Move& move, ThreadPool& pool, double dt, doubl
   set_.act(touched_);
   if (!set_.empty()) laps.end(Work::tools);
   lost_volume_ = touching_.act(touched_);
+  set_.feel(touched_);
   if (touches()) laps.end(Work::contacts);
   touched_.end();
   return !pushed_.empty();

@@ -87,6 +87,7 @@ int DeviceSolver::touch(const StepPlan& plan) {
   host_->touched.begin(host_->step, plan.dt, progress_.last_dt);
   host_->tools.act(host_->touched);
   const int lost = host_->touching.act(host_->touched);
+  host_->tools.feel(host_->touched);
   host_->longest_way = host_->touched.going();
   host_->touched.end();
   return lost;

@@ -127,16 +127,18 @@ void ThreadSet::act(Moving& thread, TouchedParticles& touched, const FindTool& f
   const ThreadControl& control = thread.control;
   const double dt = touched.dt();
   std::array<Tip, 2> tips;
+  std::array<bool, 2> joined{};  // not to a needle that was let go
   std::array<Vec3, 2> mobility;
   rod.begin(dt, gravity_);
   const std::array ends{Index{0}, rod.last()};
   for (const std::size_t t : {0, 1}) {
     const ThreadEnd& end = control.ends[t];
-    if (end.hold != TipHold::anchored) {
+    if (end.hold == TipHold::anchored) tips[t] = tip_of(end, &rod.state().position[ends[t]], touched, find_tool);
+    joined[t] = end.hold == TipHold::anchored && !tips[t].tool.is_free;
+    if (!joined[t]) {
       rod.load(ends[t], end.force);
       continue;
     }
-    tips[t] = tip_of(end, &rod.state().position[ends[t]], touched, find_tool);
     if (!tips[t].in_body) {
       rod.give(ends[t], tips[t].way);
       continue;
@@ -150,13 +152,12 @@ void ThreadSet::act(Moving& thread, TouchedParticles& touched, const FindTool& f
     rod.give(held.node, (held.position - rod.state().position[held.node]) / steps_left_);
   }
   if (thread.contacts) {
-    const auto joined = [&](std::size_t t) { return control.ends[t].hold == TipHold::anchored; };
     std::vector<ThreadSupport> others;
     for (const ThreadSupport& support : supports) {
-      const auto is_own = [&](std::size_t t) { return joined(t) && control.ends[t].anchor.tool == support.tool; };
+      const auto is_own = [&](std::size_t t) { return joined[t] && control.ends[t].anchor.tool == support.tool; };
       if (!is_own(0) && !is_own(1)) others.push_back(support);
     }
-    const auto spared = [&](std::size_t t) { return joined(t) && tips[t].in_body ? nodes_in_tissue : 0; };
+    const auto spared = [&](std::size_t t) { return joined[t] && tips[t].in_body ? nodes_in_tissue : 0; };
     thread.contacts->solve(rod, others, spared(0), rod.last() - spared(1), touched);
   } else {
     rod.solve();
@@ -164,7 +165,7 @@ void ThreadSet::act(Moving& thread, TouchedParticles& touched, const FindTool& f
   for (const std::size_t t : {0, 1}) {
     const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
     const Anchor& anchor = control.ends[t].anchor;
-    if (control.ends[t].hold != TipHold::anchored) continue;
+    if (!joined[t]) continue;
     Vec3 force = rod.force_at(tip);
     if (tips[t].in_body) {
       for (int a = 0; a < 3; ++a) {
