@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/backend.h>
 #include <phymul/bodies.h>
 #include <phymul/error.h>
 #include <phymul/monitor.h>
@@ -11,11 +10,8 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "base/files.h"
-#include "elastic/dissipation.h"
 #include "input_kinds.h"
 #include "simulation_parts.h"
-#include "solver/half_step.h"
 #include "warnings.h"
 
 namespace phymul {
@@ -96,91 +92,6 @@ Solver& Simulation::Parts::solver() {
 double Simulation::Parts::step_limit(double seconds) {
   const double limit = options.step ? *options.step * solver().stable_step() : solver().suggested_step(seconds);
   return std::isfinite(limit) ? limit : step_without_stiffness;
-}
-
-bool Simulation::Parts::is_at_start(const Snapshot& now) const {
-  if (!started) return false;
-  const State& taken = started->taken;
-  return now.last_dt == 0.0 && now.state.time == taken.time && now.state.position == taken.position &&
-         now.state.velocity == taken.velocity && now.state.joints == taken.joints &&
-         now.state.threads == taken.threads && now.state.fluids == taken.fluids;
-}
-
-Snapshot Simulation::Parts::snapshot() {
-  Snapshot now = solver().snapshot();
-  if (is_at_start(now)) now.start = {started->wanted.position, started->wanted.velocity, started->dt};
-  return now;
-}
-
-void Simulation::Parts::begin_again(const Snapshot& there) {
-  started.reset();
-  if (!there.start.position.empty()) {
-    started = Start{.wanted = there.state, .taken = solver().read(), .dt = there.start.dt};
-    started->wanted.position = there.start.position;
-    started->wanted.velocity = there.start.velocity;
-  }
-  state_changed();
-}
-
-void Simulation::Parts::follow_history(const StepReport& report) {
-  if (history) history->follow(solver(), report, report.steps == 0 ? snapshot().start : Snapshot::Start{});
-}
-
-void Simulation::Parts::start(const State& state) {
-  const double dt = step_limit();
-  solver().start(state, dt);
-  started = Start{.wanted = state, .taken = solver().read(), .dt = dt};
-  state_changed();
-}
-
-void Simulation::Parts::start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
-                                      const std::vector<JointReport>& of_joints) {
-  solver().reset(state);
-  Snapshot rest = solver().snapshot();
-  for (std::size_t row = 0; row < std::min(rest.tools.size(), of_tools.size()); ++row) {
-    ToolForce& force = rest.tools[row].force = of_tools[row];
-    force.mean_force = force.force;
-    force.mean_torque = force.torque;
-  }
-  if (rest.joints.size() == of_joints.size()) rest.joints = of_joints;
-  solver().restore(rest);
-  started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
-  state_changed();
-}
-
-void Simulation::Parts::bring_back(const Snapshot& snapshot) {
-  if (snapshot.topology_hash != 0) {
-    if (snapshot.topology_hash != fingerprint(*topology, snapshot.removed_cells, snapshot.cuts)) return;
-    set_body(snapshot.removed_cells, snapshot.cuts);
-  }
-  if (!snapshot.scene) return;
-  const auto& tools = snapshot.scene->tools;
-  scene.bring_back(*snapshot.scene);
-  for (std::size_t row = 0; row < std::min(tools.size(), snapshot.tools.size()); ++row) {
-    scene.tool(tools[row].first).move_to(snapshot.tools[row].target);
-  }
-}
-
-void Simulation::Parts::begin(double dt) {
-  solver();
-  if (!started || !(dt > 0.0) || !std::isfinite(dt)) return;
-  if (started->dt == dt || !is_at_start(solver().snapshot())) return;
-  const std::map<std::uint64_t, SeenTool> seen = tools_seen;
-  solver().start(started->wanted, dt);
-  started->taken = solver().read();
-  started->dt = dt;
-  state_changed();
-  ask_tools_again(seen);
-}
-
-void Simulation::Parts::state_changed() {
-  see_tools();
-  blades_seen.clear();
-  for (const SceneTool& tool : scene.tools()) {
-    if (std::holds_alternative<Blade>(tool.tool.shape))
-      blades_seen[tool.id] = {solver().tool_pose(tool.name), tool.places};
-  }
-  if (recorder) recorder->restore(solver().snapshot());
 }
 
 StepReport Simulation::Parts::step(int n, double dt) {
@@ -271,32 +182,6 @@ double Simulation::time() const {
   return solver().time();
 }
 
-State Simulation::state() const {
-  Snapshot now = solver().snapshot();
-  State& state = now.state;
-  if (parts_->is_at_start(now)) {
-    state.velocity = parts_->started->wanted.velocity;
-  } else if (now.last_dt > 0.0) {
-    const double d = solver().options().damping.factor_at(now.last_dt);
-    const TopologyTextures& elastic = parts_->elastic();
-    const StrainMemory strains = strains_of(now, *parts_->topology);
-    const auto* backend = dynamic_cast<const SolverBackend*>(&solver());
-    VecList further = dissipation_at(elastic, state.position, strains, now.last_dt).force;
-    const std::vector<ToolState> tools = state.tools;
-    if (backend != nullptr) {
-      further = backend->substep_forces(state, now.last_dt, std::move(further));
-      backend->set_last_velocities(state.tools, now.last_dt);
-    }
-    to_own_time(elastic, parts_->scene, {now.last_dt, d}, state, further);
-    state.tools = tools;
-  }
-  return std::move(state);
-}
-
-void Simulation::set_state(const State& state) {
-  parts_->start(state);
-}
-
 double Simulation::max_displacement() const {
   return displacement_norms(model(), solver().read()).max;
 }
@@ -315,50 +200,6 @@ const ToolPose& Simulation::pose_of(const ToolHandle& tool) const {
 
 const JointReport& Simulation::report_of(const JointHandle& joint) const {
   return solver().joint_report(joint);
-}
-
-Snapshot Simulation::snapshot() const {
-  return parts_->snapshot();
-}
-
-void Simulation::restore(const Snapshot& snapshot) {
-  const Snapshot before = parts_->snapshot();
-  try {
-    parts_->bring_back(snapshot);
-    parts_->solver().restore(snapshot);
-  } catch (...) {
-    parts_->bring_back(before);
-    parts_->solver().restore(before);
-    throw;
-  }
-  parts_->begin_again(snapshot);
-}
-
-void Simulation::save(const std::string& path) const {
-  save_state(snapshot(), path);
-}
-
-void Simulation::load(const std::string& path) {
-  const Snapshot snapshot = read_state(path);
-  try {
-    restore(snapshot);
-  } catch (const Error& error) {
-    throw in_file(path, with_prefix(path + ": ", error));
-  }
-}
-
-void Simulation::keep_history(int every, std::size_t most_bytes) {
-  parts_->history.emplace(every, most_bytes);
-  parts_->step(0, step_limit());
-}
-
-bool Simulation::rewind(double time) {
-  const Snapshot* const found = parts_->history ? parts_->history->newest_at(time) : nullptr;
-  if (found == nullptr) return false;
-  parts_->bring_back(*found);
-  parts_->history->rewind(parts_->solver(), time);
-  parts_->begin_again(*found);
-  return true;
 }
 
 void Simulation::record() {
