@@ -40,17 +40,21 @@ KeptVolumes::Surface KeptVolumes::made(const VolumeConstraint& kept) {
   return surface;
 }
 
+/// The scene may have another volume of that name by now.
+bool KeptVolumes::is_of(const Surface& surface, const VolumeConstraint& kept) {
+  const auto same = [&](const std::array<Index, 3>& rows, const std::array<Index, 3>& particles) {
+    return std::ranges::equal(rows, particles, {}, [&](Index row) { return surface.particles[row]; });
+  };
+  return surface.now.name == kept.name && std::ranges::equal(surface.triangles, kept.triangles, same);
+}
+
 void KeptVolumes::follow(const Scene& scene) {
   std::vector<Surface> now;
   now.reserve(scene.volume_constraints().size());
   for (std::size_t row = 0; row < scene.volume_constraints().size(); ++row) {
     const VolumeConstraint& kept = scene.volume_constraints()[row];
-    const auto known = std::ranges::find(surfaces_, kept.name, [](const Surface& of) { return of.now.name; });
-    const auto same = [&](const std::array<Index, 3>& rows, const std::array<Index, 3>& particles) {
-      return std::ranges::equal(rows, particles, {}, [&](Index row_of) { return known->particles[row_of]; });
-    };
-    const bool stays = known != surfaces_.end() && std::ranges::equal(known->triangles, kept.triangles, same);
-    Surface& surface = now.emplace_back(stays ? std::move(*known) : made(kept));
+    const auto known = std::ranges::find_if(surfaces_, [&](const Surface& surface) { return is_of(surface, kept); });
+    Surface& surface = now.emplace_back(known != surfaces_.end() ? std::move(*known) : made(kept));
     surface.open = scene.is_open(row);
     surface.law = kept.fluid;
     if (surface.seen != kept.changes) {
@@ -75,9 +79,17 @@ void KeptVolumes::reset(const Scene& scene, const State& state) {
   }
 }
 
-void KeptVolumes::read(State& state) const {
+void KeptVolumes::read(const Scene& scene, State& state) const {
   state.fluids.resize(surfaces_.size());
-  for (std::size_t row = 0; row < surfaces_.size(); ++row) state.fluids[row] = surfaces_[row].now;
+  std::size_t count = 0;
+  for (const Surface& surface : surfaces_) {
+    const auto own = std::ranges::find_if(scene.volume_constraints(),
+                                          [&](const VolumeConstraint& kept) { return is_of(surface, kept); });
+    if (own == scene.volume_constraints().end()) continue;
+    FluidState& fluid = state.fluids[count++] = surface.now;
+    if (surface.seen != own->changes) fluid.volume = own->volume;
+  }
+  state.fluids.resize(count);
 }
 
 const FluidState& KeptVolumes::fluid(const VolumeConstraint& wanted) const {
