@@ -66,7 +66,7 @@ struct Simulation::Parts {
   };
   std::map<std::uint64_t, SeenTool> tools_seen;  ///< by SceneTool::id: what the solver's last step did
   void see_tools();
-  void ask_tools_again(const std::map<std::uint64_t, SeenTool>& seen);
+  void ask_tools_again(std::vector<SceneTool> asked, const std::map<std::uint64_t, SeenTool>& seen);
   void took_steps(const StepReport& report);
   Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of

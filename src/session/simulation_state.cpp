@@ -19,8 +19,7 @@ bool Simulation::Parts::is_at_start(const Snapshot& now) const {
   if (!started) return false;
   const State& taken = started->taken;
   return now.last_dt == 0.0 && now.state.time == taken.time && now.state.position == taken.position &&
-         now.state.velocity == taken.velocity && now.state.joints == taken.joints &&
-         now.state.threads == taken.threads && now.state.fluids == taken.fluids;
+         now.state.velocity == taken.velocity;
 }
 
 Snapshot Simulation::Parts::snapshot() {
@@ -81,13 +80,19 @@ void Simulation::Parts::bring_back(const Snapshot& snapshot) {
 void Simulation::Parts::begin(double dt) {
   solver();
   if (!started || !(dt > 0.0) || !std::isfinite(dt)) return;
-  if (started->dt == dt || !is_at_start(solver().snapshot())) return;
+  // What the solver refuses begins nothing.
+  if (options.solver.on_unstable == UnstableStep::refuse && dt > 2.0 * solver().stable_step()) return;
+  if (started->dt == dt) return;
+  Snapshot now = solver().snapshot();
+  if (!is_at_start(now)) return;
   const std::map<std::uint64_t, SeenTool> seen = tools_seen;
-  solver().start(started->wanted, dt);
+  now.state.position = started->wanted.position;
+  now.state.velocity = started->wanted.velocity;
+  solver().start(now.state, dt);  // the rest as it is by now: volumes and threads may have changed since
   started->taken = solver().read();
   started->dt = dt;
   state_changed();
-  ask_tools_again(seen);
+  ask_tools_again(scene.tools(), seen);
 }
 
 void Simulation::Parts::state_changed() {
@@ -147,12 +152,16 @@ void Simulation::save(const std::string& path) const {
   save_state(snapshot(), path);
 }
 
+  const std::vector<SceneTool> asked = scene().tools();
 void Simulation::load(const std::string& path) {
   const Snapshot snapshot = read_state(path);
   try {
     restore(snapshot);
   } catch (const Error& error) {
     throw in_file(path, with_prefix(path + ": ", error));
+    const auto seen = parts_->tools_seen;
+    parts_->see_tools();
+    parts_->ask_tools_again(asked, seen);
   }
 }
 
@@ -164,9 +173,7 @@ void Simulation::keep_history(int every, std::size_t most_bytes) {
 bool Simulation::rewind(double time) {
   const Snapshot* const found = parts_->history ? parts_->history->newest_at(time) : nullptr;
   if (found == nullptr) return false;
-  parts_->bring_back(*found);
-  parts_->history->rewind(parts_->solver(), time);
-  parts_->begin_again(*found);
+  restore(Snapshot(*found));
   return true;
 }
 
