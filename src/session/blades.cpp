@@ -204,7 +204,6 @@ class EdgeNow {
 }  // namespace
 
 void Simulation::Parts::cut_with_blades(StepReport& report) {
-  bool changed = false;
   for (const SceneTool& tool : scene.tools()) {
     const auto* const blade = std::get_if<Blade>(&tool.tool.shape);
     if (blade == nullptr) continue;
@@ -219,7 +218,7 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     const EdgeNow edge(*blade, pose, last.places == seen.places ? last.pose : tool.pose, model, body_edit(),
                        now.position, own->blade);
     const std::vector<Index> cells = edge.cells();
-    if (solver().substeps() > 1) {
+    if (keeps_body()) {
       report.uncut += static_cast<int>(cells.size());
       continue;
     }
@@ -231,13 +230,8 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
                               .who = "the blade",
                               .refused = &refused});
     report.uncut += static_cast<int>(refused);
-    if (found.empty()) continue;
-    BodyCuts all = topology->cuts;
-    all.push_back(std::make_shared<const BodyCut>(std::move(found)));
-    set_body(topology->removed, all);
-    changed = true;
+    if (!found.empty()) make_cut(std::move(found), cells.size() - refused, report);
   }
-  if (changed && recorder) recorder->body_changed();
 }
 
 }  // namespace phymul

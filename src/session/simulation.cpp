@@ -97,8 +97,7 @@ double Simulation::Parts::step_limit(double seconds) {
 StepReport Simulation::Parts::step(int n, double dt) {
   StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
   took_steps(report);
-  if (report.ok()) cut_with_blades(report);
-  if (report.ok()) tear(report);
+  divide(report);
   follow_history(report);
   return report;
 }
@@ -106,13 +105,17 @@ StepReport Simulation::Parts::step(int n, double dt) {
 RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
   RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
+bool Simulation::Parts::divide(StepReport& report) {
+  const std::size_t before = topology->cuts.size();
+  if (report.ok()) cut_with_blades(report);
+  if (report.ok()) tear(report);
+  const bool changed = topology->cuts.size() != before;
+  if (changed) report.at_rest = false;  // that was said of what was whole
+  return changed;
+}
+
   took_steps(result.report);
-  if (result.report.ok()) cut_with_blades(result.report);
-  if (result.report.ok()) tear(result.report);
-  if (result.report.torn > 0 && result.converged()) {  // of what was whole
-    result.status = RestStatus::step_limit;
-    result.report.at_rest = false;
-  }
+  if (divide(result.report) && result.converged()) result.status = RestStatus::step_limit;
   follow_history(result.report);
   return result;
 }

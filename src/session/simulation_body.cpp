@@ -105,6 +105,24 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
   if (options.log && warnings.size() > known) options.log(warnings.back());
 }
 
+bool Simulation::Parts::keeps_body() {
+  return refused_cut || solver().substeps() > 1;
+}
+
+void Simulation::Parts::make_cut(BodyCut cut, std::size_t cells, StepReport& report) {
+  BodyCuts all = topology->cuts;
+  all.push_back(std::make_shared<const BodyCut>(std::move(cut)));
+  try {
+    set_body(topology->removed, all);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::not_supported) throw;
+    refused_cut = true;
+    report.uncut += static_cast<int>(cells);
+    return;
+  }
+  if (recorder) recorder->body_changed();
+}
+
 void Simulation::remove_cells(std::span<const Index> cells) {
   std::vector<Index> removed = parts_->topology->removed;
   for (const Index row : cells) {

@@ -46,8 +46,12 @@ struct Simulation::Parts {
   void state_changed();  ///< by something that the recorder does not see
 
   StepReport step(int n, double dt);
-  void cut_with_blades(StepReport& report);  ///< after the steps of a call
-  void tear(StepReport& report);             ///< after that
+  bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed
+  void cut_with_blades(StepReport& report);
+  void tear(StepReport& report);
+  /// One of those cuts, of so many cells. The solver may refuse it.
+  void make_cut(BodyCut cut, std::size_t cells, StepReport& report);
+  bool keeps_body();  ///< whether the solver refuses all cuts, as far as is known
   RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
   RestResult run_to_rest(int max_steps, double dt);  ///< with a damping that it chooses
 
@@ -69,6 +73,7 @@ struct Simulation::Parts {
   void ask_tools_again(std::vector<SceneTool> asked, const std::map<std::uint64_t, SeenTool>& seen);
   void took_steps(const StepReport& report);
   Tears tears;
+  bool refused_cut = false;  ///< make_cut()
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;
 
