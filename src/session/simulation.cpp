@@ -175,7 +175,7 @@ StepReport Simulation::step(int n, double dt) {
 
 RestResult Simulation::run_to_rest(int max_steps) {
   const double dt = step_limit(std::numeric_limits<double>::infinity());
-  parts_->begin(dt);
+  if (n > 0) parts_->begin(dt);
   const Damping& damping = solver().options().damping;
   if (damping.rate > 0.0 || damping.factor < 1.0) return parts_->run_to_rest(max_steps, dt, damping);
   return parts_->run_to_rest(max_steps, dt);

@@ -54,9 +54,10 @@ void Simulation::Parts::start_at_rest(const State& state, const std::vector<Tool
   solver().reset(state);
   Snapshot rest = solver().snapshot();
   for (std::size_t row = 0; row < std::min(rest.tools.size(), of_tools.size()); ++row) {
-    ToolForce& force = rest.tools[row].force = of_tools[row];
-    force.mean_force = force.force;
-    force.mean_torque = force.torque;
+    ToolForce& force = rest.tools[row].force;  // what it holds is known
+    force.force = force.mean_force = of_tools[row].force;
+    force.torque = force.mean_torque = of_tools[row].torque;
+    force.particles = of_tools[row].particles;
   }
   if (rest.joints.size() == of_joints.size()) rest.joints = of_joints;
   solver().restore(rest);
