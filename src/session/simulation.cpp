@@ -12,6 +12,8 @@
 #include "base/decimal.h"
 #include "input_kinds.h"
 #include "simulation_parts.h"
+#include "snapshot_bytes.h"
+#include "solver/solver_input.h"
 #include "warnings.h"
 
 namespace phymul {
@@ -53,6 +55,7 @@ Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
   }
   if (options.runner) options.topology.runner = options.solver.runner = options.runner;
   if (options.damping.rate != 0.0 || options.damping.factor != 1.0) options.solver.damping = options.damping;
+  require_options(options.solver);
   if (options.solver.progress) {
     progress.tell =
         std::exchange(options.solver.progress, [this](const StepProgress& at) { return progress.pass_on(at); });
