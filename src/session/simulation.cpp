@@ -105,9 +105,6 @@ StepReport Simulation::Parts::step(int n, double dt) {
   return report;
 }
 
-RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
-  RestResult result =
-      recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
 bool Simulation::Parts::divide(StepReport& report) {
   const std::size_t before = topology->cuts.size();
   if (report.ok()) cut_with_blades(report);
@@ -117,6 +114,9 @@ bool Simulation::Parts::divide(StepReport& report) {
   return changed;
 }
 
+RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
+  RestResult result =
+      recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
   took_steps(result.report);
   if (divide(result.report) && result.converged()) result.status = RestStatus::step_limit;
   follow_history(result.report);
@@ -172,13 +172,13 @@ StepReport Simulation::advance(double seconds) {
 }
 
 StepReport Simulation::step(int n, double dt) {
-  parts_->begin(dt);
+  if (n > 0) parts_->begin(dt);
   return parts_->step(n, dt);
 }
 
 RestResult Simulation::run_to_rest(int max_steps) {
   const double dt = step_limit(std::numeric_limits<double>::infinity());
-  if (n > 0) parts_->begin(dt);
+  parts_->begin(dt);
   const Damping& damping = solver().options().damping;
   if (damping.rate > 0.0 || damping.factor < 1.0) return parts_->run_to_rest(max_steps, dt, damping);
   return parts_->run_to_rest(max_steps, dt);
@@ -220,17 +220,29 @@ const Recording& Simulation::recording() const {
 
 void Simulation::replay(Recording recording) {
   const Snapshot& start = recording.start;
+  const std::vector<Index> removed_before = removed_cells();
+  const BodyCuts cuts_before = cuts();
   if (fingerprint(*parts_->topology, start.removed_cells, start.cuts) == recording.topology_hash) {
     parts_->set_body(start.removed_cells, start.cuts);
-  }  // else Replay says so
-  parts_->recorder.reset();
+  }                                                    // else Replay says so
+  std::optional<Input> given;                          // the last state that was given
   std::vector<std::pair<bool, std::uint64_t>> inputs;  // whether tools have done what they were asked, and how often
   for (const Input& input : recording.inputs) {
     const bool steps = input.kind == input_kind::step || input.kind == input_kind::restore ||
                        input.kind == input_kind::to_rest || input.kind == input_kind::to_rest_damped;
     inputs.emplace_back(steps, input.times);
+    if (input.kind == input_kind::restore) given = input;
   }
-  Replay replay(std::move(recording), parts_->solver(), scene());
+  std::optional<Replay> made;
+  try {
+    made.emplace(std::move(recording), parts_->solver(), scene());
+  } catch (...) {
+    parts_->set_body(removed_before, cuts_before);
+    throw;
+  }
+  Replay& replay = *made;
+  parts_->recorder.reset();
+  if (parts_->history) parts_->history->clear();
   parts_->see_tools();
   replay.on_body = [this](const std::vector<Index>& removed, const BodyCuts& cuts) { parts_->set_body(removed, cuts); };
   for (const auto& [steps, times] : inputs) {
@@ -239,7 +251,12 @@ void Simulation::replay(Recording recording) {
       if (steps) parts_->see_tools();
     }
   }
-  parts_->state_changed();
+  Snapshot now = solver().snapshot();
+  if (given && now.last_dt == 0.0) {
+    ByteReader in("state", given->bytes);
+    now.start = take_snapshot(in).start;
+  }
+  parts_->begin_again(now);
 }
 
 }  // namespace phymul

@@ -43,7 +43,8 @@ struct Simulation::Parts {
   /// `removed`: ascending. Where the solver refuses it, the body stays as it was.
   void set_body(const std::vector<Index>& removed, const BodyCuts& cuts);
   void change_body(const std::vector<Index>& removed, const BodyCuts& cuts);
-  void state_changed();  ///< by something that the recorder does not see
+  void state_changed();       ///< by something that the recorder does not see
+  void begin_history_anew();  ///< at the present state
 
   StepReport step(int n, double dt);
   bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed
@@ -72,8 +73,8 @@ struct Simulation::Parts {
   void see_tools();
   void ask_tools_again(std::vector<SceneTool> asked, const std::map<std::uint64_t, SeenTool>& seen);
   void took_steps(const StepReport& report);
-  Tears tears;
   bool refused_cut = false;  ///< make_cut()
+  Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;
 
@@ -96,6 +97,7 @@ struct Simulation::Parts {
   };
   std::optional<Start> started;
   std::optional<StateHistory> history;
+  int history_every = 1;  ///< steps
 
   /// SolverOptions::progress of the user, for calls that are made of several calls of the solver.
   struct Progress {

@@ -6,6 +6,7 @@
 #include <phymul/simulation.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/files.h"
@@ -36,6 +37,7 @@ void Simulation::Parts::begin_again(const Snapshot& there) {
     started->wanted.velocity = there.start.velocity;
   }
   state_changed();
+  begin_history_anew();
 }
 
 void Simulation::Parts::follow_history(const StepReport& report) {
@@ -47,6 +49,7 @@ void Simulation::Parts::start(const State& state) {
   solver().start(state, dt);
   started = Start{.wanted = state, .taken = solver().read(), .dt = dt};
   state_changed();
+  begin_history_anew();
 }
 
 void Simulation::Parts::start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
@@ -63,6 +66,7 @@ void Simulation::Parts::start_at_rest(const State& state, const std::vector<Tool
   solver().restore(rest);
   started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
   state_changed();
+  begin_history_anew();
 }
 
 void Simulation::Parts::bring_back(const Snapshot& snapshot) {
@@ -103,7 +107,17 @@ void Simulation::Parts::state_changed() {
     if (std::holds_alternative<Blade>(tool.tool.shape))
       blades_seen[tool.id] = {solver().tool_pose(tool.name), tool.places};
   }
-  if (recorder) recorder->restore(solver().snapshot());
+  if (recorder) recorder->restore(snapshot());
+}
+
+/// States from this time on are of a past that led elsewhere.
+void Simulation::Parts::begin_history_anew() {
+  if (!history) return;
+  const Snapshot now = snapshot();
+  StepReport anew;
+  anew.time = std::nextafter(now.state.time, -HUGE_VAL);
+  anew.steps = history_every;
+  history->follow(solver(), anew, now.start);
 }
 
 State Simulation::state() const {
@@ -138,12 +152,16 @@ Snapshot Simulation::snapshot() const {
 
 void Simulation::restore(const Snapshot& snapshot) {
   const Snapshot before = parts_->snapshot();
+  const std::vector<SceneTool> asked = scene().tools();
   try {
     parts_->bring_back(snapshot);
     parts_->solver().restore(snapshot);
   } catch (...) {
     parts_->bring_back(before);
     parts_->solver().restore(before);
+    const auto seen = parts_->tools_seen;
+    parts_->see_tools();
+    parts_->ask_tools_again(asked, seen);
     throw;
   }
   parts_->begin_again(snapshot);
@@ -153,21 +171,18 @@ void Simulation::save(const std::string& path) const {
   save_state(snapshot(), path);
 }
 
-  const std::vector<SceneTool> asked = scene().tools();
 void Simulation::load(const std::string& path) {
   const Snapshot snapshot = read_state(path);
   try {
     restore(snapshot);
   } catch (const Error& error) {
     throw in_file(path, with_prefix(path + ": ", error));
-    const auto seen = parts_->tools_seen;
-    parts_->see_tools();
-    parts_->ask_tools_again(asked, seen);
   }
 }
 
 void Simulation::keep_history(int every, std::size_t most_bytes) {
-  parts_->history.emplace(every, most_bytes);
+  parts_->history.emplace(StateHistory(every, most_bytes));  // which may throw: then the old one stays
+  parts_->history_every = every;
   parts_->step(0, step_limit());
 }
 
