@@ -203,8 +203,8 @@ class ReferenceSolver final : public SolverBackend {
 
   void do_read(State& state) const override {
     state = state_;
-    tools_.read(state);
-    touching_.read(state);
+    tools_.read(scene(), state);
+    touching_.read(scene(), state);
   }
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }

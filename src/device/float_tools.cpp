@@ -88,9 +88,13 @@ void FloatTools::reset(const Scene& scene, const State& state) {
   fill_held();
 }
 
-void FloatTools::read(State& state) const {
+void FloatTools::read(const Scene& scene, State& state) const {
   state.tools.resize(tools_.size());
-  for (std::size_t row = 0; row < tools_.size(); ++row) tools_[row].moved.read(state.tools[row]);
+  std::size_t count = 0;
+  for (const Moving& tool : tools_) {
+    if (tool.moved.is_in(scene)) tool.moved.read(state.tools[count++]);
+  }
+  state.tools.resize(count);
 }
 
 bool FloatTools::begin_call(const Scene& scene, int steps, bool at_once) {

@@ -43,7 +43,7 @@ class FloatTools {
 
   void reset(const Scene& scene, const State& state);
   bool was_reset() const { return was_reset_; }
-  void read(State& state) const;
+  void read(const Scene& scene, State& state) const;  ///< what the scene still has
   // Of a row of Scene::tools().
   const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
   void set_moved(std::size_t row, const MovedTool& moved);

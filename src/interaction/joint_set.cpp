@@ -23,16 +23,6 @@ JointSet::End JointSet::end_of(const Anchor& anchor, const std::vector<SceneTool
   return end;
 }
 
-namespace {
-
-/// Whether it ends at a particle all of whose tissue is removed: such a spring is broken.
-bool ends_at_removed(const JointSpring& spring, std::span<const double> mass) {
-  const auto removed = [&](Index i) { return mass[i] == 0.0; };
-  return std::ranges::any_of(spring.a.particles, removed) || std::ranges::any_of(spring.b.particles, removed);
-}
-
-}  // namespace
-
 void JointSet::break_removed(Followed& followed, const Joint& joint) const {
   for (std::size_t row = 0; row < followed.springs.size(); ++row) {
     bool& broken = followed.report.springs[row].broken;

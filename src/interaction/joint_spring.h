@@ -5,7 +5,16 @@
 
 #include <phymul/joint.h>
 
+#include <algorithm>
+#include <span>
+
 namespace phymul {
+
+/// Whether it ends at a particle all of whose tissue is removed: such a spring is broken. `mass`: of all particles.
+inline bool ends_at_removed(const JointSpring& spring, std::span<const double> mass) {
+  const auto removed = [&](Index i) { return mass[i] == 0.0; };
+  return std::ranges::any_of(spring.a.particles, removed) || std::ranges::any_of(spring.b.particles, removed);
+}
 
 /// N, on anchor `a`, where `r` leads to `b`, m, and `v` is how it changes, m/s.
 inline Vec3 spring_force(const Joint& joint, const JointSpring& spring, const Vec3& r, const Vec3& v) {

@@ -40,17 +40,21 @@ KeptVolumes::Surface KeptVolumes::made(const VolumeConstraint& kept) {
   return surface;
 }
 
+/// The scene may have another volume of that name by now.
+bool KeptVolumes::is_of(const Surface& surface, const VolumeConstraint& kept) {
+  const auto same = [&](const std::array<Index, 3>& rows, const std::array<Index, 3>& particles) {
+    return std::ranges::equal(rows, particles, {}, [&](Index row) { return surface.particles[row]; });
+  };
+  return surface.now.name == kept.name && std::ranges::equal(surface.triangles, kept.triangles, same);
+}
+
 void KeptVolumes::follow(const Scene& scene) {
   std::vector<Surface> now;
   now.reserve(scene.volume_constraints().size());
   for (std::size_t row = 0; row < scene.volume_constraints().size(); ++row) {
     const VolumeConstraint& kept = scene.volume_constraints()[row];
-    const auto known = std::ranges::find(surfaces_, kept.name, [](const Surface& of) { return of.now.name; });
-    const auto same = [&](const std::array<Index, 3>& rows, const std::array<Index, 3>& particles) {
-      return std::ranges::equal(rows, particles, {}, [&](Index row_of) { return known->particles[row_of]; });
-    };
-    const bool stays = known != surfaces_.end() && std::ranges::equal(known->triangles, kept.triangles, same);
-    Surface& surface = now.emplace_back(stays ? std::move(*known) : made(kept));
+    const auto known = std::ranges::find_if(surfaces_, [&](const Surface& surface) { return is_of(surface, kept); });
+    Surface& surface = now.emplace_back(known != surfaces_.end() ? std::move(*known) : made(kept));
     surface.open = scene.is_open(row);
     surface.law = kept.fluid;
     if (surface.seen != kept.changes) {
@@ -76,10 +80,13 @@ void KeptVolumes::reset(const Scene& scene, const State& state) {
 }
 
 /// Without an entry a fluid begins as before its first step.
-void KeptVolumes::read(State& state) const {
+void KeptVolumes::read(const Scene& scene, State& state) const {
   state.fluids.clear();
   for (const Surface& surface : surfaces_) {
-    if (surface.has_pressure) state.fluids.push_back(surface.now);
+    const auto own = std::ranges::find_if(scene.volume_constraints(),
+                                          [&](const VolumeConstraint& kept) { return is_of(surface, kept); });
+    const bool is_as_then = own != scene.volume_constraints().end() && surface.seen == own->changes;
+    if (is_as_then && surface.has_pressure) state.fluids.push_back(surface.now);
   }
 }
 

@@ -24,9 +24,9 @@ class KeptVolumes {
 
   /// After all else that acts on the step. The row of a volume that cannot be restored; -1: none.
   int act(TouchedParticles& touched);
-  bool is_finite() const;  ///< the fluids at the end of the step
-  void accept();           ///< the step counts
-  void read(State& state) const;
+  bool is_finite() const;                             ///< the fluids at the end of the step
+  void accept();                                      ///< the step counts
+  void read(const Scene& scene, State& state) const;  ///< with the volumes that the scene has by now
   /// Of a constraint of the scene, also of one that follow() has not seen.
   const FluidState& fluid(const VolumeConstraint& wanted) const;
 
@@ -42,6 +42,7 @@ class KeptVolumes {
     std::uint64_t seen = 0;     // VolumeConstraint::changes
   };
   static Surface made(const VolumeConstraint& kept);
+  static bool is_of(const Surface& surface, const VolumeConstraint& kept);
   static bool restore(Surface& surface, TouchedParticles& touched);
 
   std::vector<Surface> surfaces_;

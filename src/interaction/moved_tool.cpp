@@ -92,6 +92,10 @@ void MovedTool::read(ToolState& to) const {
   to.blade.clear();
 }
 
+bool MovedTool::is_in(const Scene& scene) const {
+  return std::ranges::find(scene.tools(), id, &SceneTool::id) != scene.tools().end();
+}
+
 bool MovedTool::begin_call(const SceneTool& wanted, int call_steps, bool at_once) {
   sum_force_.setZero();
   sum_torque_.setZero();

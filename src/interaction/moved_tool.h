@@ -36,7 +36,8 @@ struct MovedTool {
   /// nothing. Moves and grasps asked for count as done, but by a solver that is being made: `first`. `mass`: of all
   /// particles, kg.
   const ToolState* reset(const SceneTool& wanted, const State& state, std::span<const double> mass, bool first);
-  void read(ToolState& to) const;  ///< all but needles
+  void read(ToolState& to) const;        ///< all but needles
+  bool is_in(const Scene& scene) const;  ///< which may have another tool of that name by now
   /// A call of `call_steps` steps, above 0, begins: looks for new poses and grasps. `at_once`: poses are reached in the
   /// first step. True where there is a new pose.
   bool begin_call(const SceneTool& wanted, int call_steps, bool at_once);

@@ -151,14 +151,18 @@ const ToolReport& ToolSet::report(const SceneTool& wanted) const {
   return unseen_;
 }
 
-void ToolSet::read(State& state) const {
+void ToolSet::read(const Scene& scene, State& state) const {
   state.tools.resize(tools_.size());
-  for (std::size_t row = 0; row < tools_.size(); ++row) {
-    tools_[row].moved.read(state.tools[row]);
-    if (tools_[row].needle) state.tools[row].needle = tools_[row].needle->state();
-    if (tools_[row].blade) state.tools[row].blade = tools_[row].blade->state();
+  std::size_t count = 0;
+  for (const Moving& tool : tools_) {
+    if (!tool.moved.is_in(scene)) continue;
+    ToolState& own = state.tools[count++];
+    tool.moved.read(own);
+    if (tool.needle) own.needle = tool.needle->state();
+    if (tool.blade) own.blade = tool.blade->state();
   }
-  threads_.read(state);
+  state.tools.resize(count);
+  threads_.read(scene, state);
 }
 
 void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {

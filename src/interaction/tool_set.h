@@ -33,7 +33,7 @@ class ToolSet {
   std::size_t count() const { return tools_.size(); }
 
   void reset(const Scene& scene, const State& state);
-  void read(State& state) const;
+  void read(const Scene& scene, State& state) const;  ///< what the scene still has
 
   /// A call of `steps` steps begins: looks for new poses and grasps. `at_once`: poses are reached in the first step.
   void begin_call(const Scene& scene, int steps, bool at_once);

@@ -27,7 +27,7 @@ class Touching {
     return volumes_.is_finite() ? "" : "the pressure of a fluid would not be finite: its volume or its law is extreme";
   }
   void accept() { volumes_.accept(); }  ///< the step counts
-  void read(State& state) const { volumes_.read(state); }
+  void read(const Scene& scene, State& state) const { volumes_.read(scene, state); }
   /// Of a row of Scene::volume_constraints().
   const FluidState& fluid(const Scene& scene, std::size_t row) const {
     return volumes_.fluid(scene.volume_constraints()[row]);

@@ -41,13 +41,16 @@ void require_tearing(const Model& model, const Tearing& law) {
   if (model.dimension == 2 || model.materials.empty()) {
     throw Error("tear: expected a body in three dimensions with a material; use set_material first");
   }
+  bool tetrahedra = false;
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
     const bool can_tear = !is_of_wall(model, cell) && (!is_volume(cell.type) || cell.type == CellType::tetrahedron);
+    tetrahedra = tetrahedra || (cell.type == CellType::tetrahedron && cell.material >= 0);
     if (can_tear || cell.material < 0) continue;
     throw Error(ErrorCode::not_supported,
                 "tear: expected a body of tetrahedra without walls; " + cell_label(model, row) + " cannot tear");
   }
+  if (!tetrahedra) throw Error(ErrorCode::not_supported, "tear: expected a body of tetrahedra, got one without");
   for (const auto& [value, name] : {std::pair(law.toughness, "a toughness, J/m^2,"), {law.radius, "a radius, m,"}}) {
     if (value >= 0.0 && std::isfinite(value)) continue;
     throw Error(std::string("tear: expected ") + name + " of at least 0, got " + to_decimal(value));

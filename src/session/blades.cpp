@@ -226,7 +226,7 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
     const EdgeNow edge(*blade, pose, last.places == seen.places ? last.pose : tool.pose, model, body_edit(),
                        now.position, own->blade);
     const std::vector<Index> cells = edge.cells();
-    if (solver().substeps() > 1) {
+    if (keeps_body()) {
       report.uncut += static_cast<int>(cells.size());
       continue;
     }
@@ -238,11 +238,7 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
                               .who = "the blade",
                               .refused = &refused});
     report.uncut += static_cast<int>(refused);
-    if (found.empty()) continue;
-    BodyCuts all = topology->cuts;
-    all.push_back(std::make_shared<const BodyCut>(std::move(found)));
-    set_body(topology->removed, all);
-    if (recorder) recorder->body_changed();  // each cut by itself: a replay then edits the body as often
+    if (!found.empty()) make_cut(std::move(found), cells.size() - refused, report);
   }
 }
 

@@ -33,6 +33,17 @@ bool is_word(std::string_view kind) {
   return kind.size() == 4 && std::all_of(kind.begin(), kind.end(), [](unsigned char c) { return std::isgraph(c); });
 }
 
+/// What a call that throws has done is recorded as a state.
+template <class Call>
+auto recorded_if_thrown(Recorder& recorder, const Solver& solver, const Call& call) {
+  try {
+    return call();
+  } catch (...) {
+    recorder.restore(solver.snapshot());
+    throw;
+  }
+}
+
 /// Grows with every change of the scene, and with every change of a load's values alone.
 std::uint64_t changes_of(const Scene& scene) {
   return scene.version() + scene.values_version();
@@ -172,7 +183,7 @@ void Recorder::record_tool(const SceneTool& tool) {
 
 StepReport Recorder::step(int n, double dt) {
   record_scene();
-  const StepReport report = solver_.step(n, dt);
+  const StepReport report = recorded_if_thrown(*this, solver_, [&] { return solver_.step(n, dt); });
   if (report.status == StepStatus::invalid_step) return report;  // nothing was done
   record(input_kind::step, step_bytes(report.stopped ? report.steps : n, dt));
   return report;
@@ -184,7 +195,8 @@ RestResult Recorder::run_to_rest(int max_steps, double dt) {
 
 RestResult Recorder::run_to_rest(int max_steps, double dt, const Damping& damping) {
   record_scene();
-  const RestResult result = solver_.run_to_rest(max_steps, dt, damping);
+  const RestResult result =
+      recorded_if_thrown(*this, solver_, [&] { return solver_.run_to_rest(max_steps, dt, damping); });
   if (result.report.status == StepStatus::invalid_step) return result;
   const StepReport& report = result.report;
   const std::string steps = step_bytes(report.stopped ? report.steps : max_steps, dt);

@@ -36,7 +36,6 @@ void require_same_options(const RecordedOptions& recorded, const RecordedOptions
   require_same("rest_steps", recorded.rest_steps, own.rest_steps);
   require_same("max_substeps", recorded.max_substeps, own.max_substeps);
   require_same("on_unstable (1: allow)", recorded.allows_unstable, own.allows_unstable);
-  require_same("stable_step()", recorded.stable_step, own.stable_step);
 }
 
 ByteReader reader(const Input& input) {
@@ -65,8 +64,9 @@ Replay::Replay(Recording recording, Solver& solver, Scene& scene)
         "Replay: the recording is of another body: other shape, material, order of particles or options of the "
         "tables; build the one that was recorded");
   }
-  start_scene();
-  require_same_options(recording_.options, recorded_options(solver));  // the step limit depends on the scene's joints
+  require_same_options(recording_.options, recorded_options(solver));
+  start_scene();  // on whose joints the step limit depends
+  require_same("stable_step()", recording_.options.stable_step, recorded_options(solver).stable_step);
   try {
     solver_.restore(recording_.start);
   } catch (const Error& error) {

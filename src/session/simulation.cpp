@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/backend.h>
 #include <phymul/bodies.h>
 #include <phymul/error.h>
 #include <phymul/monitor.h>
@@ -11,11 +10,10 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "base/files.h"
-#include "elastic/dissipation.h"
 #include "input_kinds.h"
 #include "simulation_parts.h"
-#include "solver/half_step.h"
+#include "snapshot_bytes.h"
+#include "solver/solver_input.h"
 #include "warnings.h"
 
 namespace phymul {
@@ -57,6 +55,7 @@ Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
   }
   if (options.runner) options.topology.runner = options.solver.runner = options.runner;
   if (options.damping.rate != 0.0 || options.damping.factor != 1.0) options.solver.damping = options.damping;
+  require_options(options.solver);
   if (options.solver.progress) {
     progress.tell =
         std::exchange(options.solver.progress, [this](const StepProgress& at) { return progress.pass_on(at); });
@@ -98,110 +97,28 @@ double Simulation::Parts::step_limit(double seconds) {
   return std::isfinite(limit) ? limit : step_without_stiffness;
 }
 
-bool Simulation::Parts::is_at_start(const Snapshot& now) const {
-  if (!started) return false;
-  const State& taken = started->taken;
-  return now.last_dt == 0.0 && now.state.time == taken.time && now.state.position == taken.position &&
-         now.state.velocity == taken.velocity && now.state.joints == taken.joints &&
-         now.state.threads == taken.threads && now.state.fluids == taken.fluids;
-}
-
-Snapshot Simulation::Parts::snapshot() {
-  Snapshot now = solver().snapshot();
-  if (is_at_start(now)) now.start = {started->wanted.position, started->wanted.velocity, started->dt};
-  return now;
-}
-
-void Simulation::Parts::begin_again(const Snapshot& there) {
-  started.reset();
-  if (!there.start.position.empty()) {
-    started = Start{.wanted = there.state, .taken = solver().read(), .dt = there.start.dt};
-    started->wanted.position = there.start.position;
-    started->wanted.velocity = there.start.velocity;
-  }
-  state_changed();
-}
-
-void Simulation::Parts::follow_history(const StepReport& report) {
-  if (history) history->follow(solver(), report, report.steps == 0 ? snapshot().start : Snapshot::Start{});
-}
-
-void Simulation::Parts::start(const State& state) {
-  const double dt = step_limit();
-  solver().start(state, dt);
-  started = Start{.wanted = state, .taken = solver().read(), .dt = dt};
-  state_changed();
-}
-
-void Simulation::Parts::start_at_rest(const State& state, const std::vector<ToolForce>& of_tools,
-                                      const std::vector<JointReport>& of_joints) {
-  solver().reset(state);
-  Snapshot rest = solver().snapshot();
-  for (std::size_t row = 0; row < std::min(rest.tools.size(), of_tools.size()); ++row) {
-    ToolForce& force = rest.tools[row].force = of_tools[row];
-    force.mean_force = force.force;
-    force.mean_torque = force.torque;
-  }
-  if (rest.joints.size() == of_joints.size()) rest.joints = of_joints;
-  solver().restore(rest);
-  started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
-  state_changed();
-}
-
-void Simulation::Parts::bring_back(const Snapshot& snapshot) {
-  if (snapshot.topology_hash != 0) {
-    if (snapshot.topology_hash != fingerprint(*topology, snapshot.removed_cells, snapshot.cuts)) return;
-    set_body(snapshot.removed_cells, snapshot.cuts);
-  }
-  if (!snapshot.scene) return;
-  const auto& tools = snapshot.scene->tools;
-  scene.bring_back(*snapshot.scene);
-  for (std::size_t row = 0; row < std::min(tools.size(), snapshot.tools.size()); ++row) {
-    scene.tool(tools[row].first).move_to(snapshot.tools[row].target);
-  }
-}
-
-void Simulation::Parts::begin(double dt) {
-  solver();
-  if (!started || !(dt > 0.0) || !std::isfinite(dt)) return;
-  if (started->dt == dt || !is_at_start(solver().snapshot())) return;
-  const std::map<std::uint64_t, SeenTool> seen = tools_seen;
-  solver().start(started->wanted, dt);
-  started->taken = solver().read();
-  started->dt = dt;
-  state_changed();
-  ask_tools_again(seen);
-}
-
-void Simulation::Parts::state_changed() {
-  see_tools();
-  blades_seen.clear();
-  for (const SceneTool& tool : scene.tools()) {
-    if (std::holds_alternative<Blade>(tool.tool.shape))
-      blades_seen[tool.id] = {solver().tool_pose(tool.name), tool.places};
-  }
-  if (recorder) recorder->restore(solver().snapshot());
-}
-
 StepReport Simulation::Parts::step(int n, double dt) {
   StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
   took_steps(report);
-  if (report.ok()) cut_with_blades(report);
-  if (report.ok()) tear(report);
+  divide(report);
   follow_history(report);
   return report;
+}
+
+bool Simulation::Parts::divide(StepReport& report) {
+  const std::size_t before = topology->cuts.size();
+  if (report.ok()) cut_with_blades(report);
+  if (report.ok()) tear(report);
+  const bool changed = topology->cuts.size() != before;
+  if (changed) report.at_rest = false;  // that was said of what was whole
+  return changed;
 }
 
 RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
   RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
   took_steps(result.report);
-  if (result.report.ok()) cut_with_blades(result.report);
-  if (result.report.ok()) tear(result.report);
-  if (result.report.torn > 0 && result.converged()) {  // of what was whole
-    result.status = RestStatus::step_limit;
-    result.report.at_rest = false;
-  }
+  if (divide(result.report) && result.converged()) result.status = RestStatus::step_limit;
   follow_history(result.report);
   return result;
 }
@@ -255,7 +172,7 @@ StepReport Simulation::advance(double seconds) {
 }
 
 StepReport Simulation::step(int n, double dt) {
-  parts_->begin(dt);
+  if (n > 0) parts_->begin(dt);
   return parts_->step(n, dt);
 }
 
@@ -269,32 +186,6 @@ RestResult Simulation::run_to_rest(int max_steps) {
 
 double Simulation::time() const {
   return solver().time();
-}
-
-State Simulation::state() const {
-  Snapshot now = solver().snapshot();
-  State& state = now.state;
-  if (parts_->is_at_start(now)) {
-    state.velocity = parts_->started->wanted.velocity;
-  } else if (now.last_dt > 0.0) {
-    const double d = solver().options().damping.factor_at(now.last_dt);
-    const TopologyTextures& elastic = parts_->elastic();
-    const StrainMemory strains = strains_of(now, *parts_->topology);
-    const auto* backend = dynamic_cast<const SolverBackend*>(&solver());
-    VecList further = dissipation_at(elastic, state.position, strains, now.last_dt).force;
-    const std::vector<ToolState> tools = state.tools;
-    if (backend != nullptr) {
-      further = backend->substep_forces(state, now.last_dt, std::move(further));
-      backend->set_last_velocities(state.tools, now.last_dt);
-    }
-    to_own_time(elastic, parts_->scene, {now.last_dt, d}, state, further);
-    state.tools = tools;
-  }
-  return std::move(state);
-}
-
-void Simulation::set_state(const State& state) {
-  parts_->start(state);
 }
 
 double Simulation::max_displacement() const {
@@ -317,50 +208,6 @@ const JointReport& Simulation::report_of(const JointHandle& joint) const {
   return solver().joint_report(joint);
 }
 
-Snapshot Simulation::snapshot() const {
-  return parts_->snapshot();
-}
-
-void Simulation::restore(const Snapshot& snapshot) {
-  const Snapshot before = parts_->snapshot();
-  try {
-    parts_->bring_back(snapshot);
-    parts_->solver().restore(snapshot);
-  } catch (...) {
-    parts_->bring_back(before);
-    parts_->solver().restore(before);
-    throw;
-  }
-  parts_->begin_again(snapshot);
-}
-
-void Simulation::save(const std::string& path) const {
-  save_state(snapshot(), path);
-}
-
-void Simulation::load(const std::string& path) {
-  const Snapshot snapshot = read_state(path);
-  try {
-    restore(snapshot);
-  } catch (const Error& error) {
-    throw in_file(path, with_prefix(path + ": ", error));
-  }
-}
-
-void Simulation::keep_history(int every, std::size_t most_bytes) {
-  parts_->history.emplace(every, most_bytes);
-  parts_->step(0, step_limit());
-}
-
-bool Simulation::rewind(double time) {
-  const Snapshot* const found = parts_->history ? parts_->history->newest_at(time) : nullptr;
-  if (found == nullptr) return false;
-  parts_->bring_back(*found);
-  parts_->history->rewind(parts_->solver(), time);
-  parts_->begin_again(*found);
-  return true;
-}
-
 void Simulation::record() {
   parts_->recorder.reset();
   parts_->recorder.emplace(parts_->solver(), scene());
@@ -373,17 +220,29 @@ const Recording& Simulation::recording() const {
 
 void Simulation::replay(Recording recording) {
   const Snapshot& start = recording.start;
+  const std::vector<Index> removed_before = removed_cells();
+  const BodyCuts cuts_before = cuts();
   if (fingerprint(*parts_->topology, start.removed_cells, start.cuts) == recording.topology_hash) {
     parts_->set_body(start.removed_cells, start.cuts);
-  }  // else Replay says so
-  parts_->recorder.reset();
+  }                                                    // else Replay says so
+  std::optional<Input> given;                          // the last state that was given
   std::vector<std::pair<bool, std::uint64_t>> inputs;  // whether tools have done what they were asked, and how often
   for (const Input& input : recording.inputs) {
     const bool steps = input.kind == input_kind::step || input.kind == input_kind::restore ||
                        input.kind == input_kind::to_rest || input.kind == input_kind::to_rest_damped;
     inputs.emplace_back(steps, input.times);
+    if (input.kind == input_kind::restore) given = input;
   }
-  Replay replay(std::move(recording), parts_->solver(), scene());
+  std::optional<Replay> made;
+  try {
+    made.emplace(std::move(recording), parts_->solver(), scene());
+  } catch (...) {
+    parts_->set_body(removed_before, cuts_before);
+    throw;
+  }
+  Replay& replay = *made;
+  parts_->recorder.reset();
+  if (parts_->history) parts_->history->clear();
   parts_->see_tools();
   replay.on_body = [this](const std::vector<Index>& removed, const BodyCuts& cuts) { parts_->set_body(removed, cuts); };
   try {
@@ -397,7 +256,12 @@ void Simulation::replay(Recording recording) {
     parts_->state_changed();
     throw;
   }
-  parts_->state_changed();
+  Snapshot now = solver().snapshot();
+  if (given && now.last_dt == 0.0) {
+    ByteReader in("state", given->bytes);
+    now.start = take_snapshot(in).start;
+  }
+  parts_->begin_again(now);
 }
 
 }  // namespace phymul

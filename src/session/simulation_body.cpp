@@ -70,8 +70,8 @@ void Simulation::Parts::see_tools() {
 }
 
 /// What tools were asked since they were as `seen`, which the solver has forgotten.
-void Simulation::Parts::ask_tools_again(const std::map<std::uint64_t, SeenTool>& seen) {
-  for (const SceneTool& tool : std::vector<SceneTool>(scene.tools())) {
+void Simulation::Parts::ask_tools_again(std::vector<SceneTool> asked, const std::map<std::uint64_t, SeenTool>& seen) {
+  for (const SceneTool& tool : asked) {
     const auto known = seen.find(tool.id);
     const SeenTool before = known != seen.end() ? known->second : SeenTool{};
     const ToolHandle handle = scene.tool(tool.name);
@@ -99,10 +99,28 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
     change_body(removed_before, cuts_before);
     throw;
   }
-  ask_tools_again(tools_seen);
+  ask_tools_again(scene.tools(), tools_seen);
   const std::size_t known = warnings.size();
   look_for_tools_beyond_cuts(model, scene, warnings);
   if (options.log && warnings.size() > known) options.log(warnings.back());
+}
+
+bool Simulation::Parts::keeps_body() {
+  return refused_cut || solver().substeps() > 1;
+}
+
+void Simulation::Parts::make_cut(BodyCut cut, std::size_t cells, StepReport& report) {
+  BodyCuts all = topology->cuts;
+  all.push_back(std::make_shared<const BodyCut>(std::move(cut)));
+  try {
+    set_body(topology->removed, all);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::not_supported) throw;
+    refused_cut = true;
+    report.uncut += static_cast<int>(cells);
+    return;
+  }
+  if (recorder) recorder->body_changed();
 }
 
 void Simulation::remove_cells(std::span<const Index> cells) {

@@ -43,11 +43,16 @@ struct Simulation::Parts {
   /// `removed`: ascending. Where the solver refuses it, the body stays as it was.
   void set_body(const std::vector<Index>& removed, const BodyCuts& cuts);
   void change_body(const std::vector<Index>& removed, const BodyCuts& cuts);
-  void state_changed();  ///< by something that the recorder does not see
+  void state_changed();       ///< by something that the recorder does not see
+  void begin_history_anew();  ///< at the present state
 
   StepReport step(int n, double dt);
-  void cut_with_blades(StepReport& report);  ///< after the steps of a call
-  void tear(StepReport& report);             ///< after that
+  bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed
+  void cut_with_blades(StepReport& report);
+  void tear(StepReport& report);
+  /// One of those cuts, of so many cells. The solver may refuse it.
+  void make_cut(BodyCut cut, std::size_t cells, StepReport& report);
+  bool keeps_body();  ///< whether the solver refuses all cuts, as far as is known
   RestResult run_to_rest(int max_steps, double dt, const Damping& damping);
   RestResult run_to_rest(int max_steps, double dt);  ///< with a damping that it chooses
 
@@ -66,8 +71,9 @@ struct Simulation::Parts {
   };
   std::map<std::uint64_t, SeenTool> tools_seen;  ///< by SceneTool::id: what the solver's last step did
   void see_tools();
-  void ask_tools_again(const std::map<std::uint64_t, SeenTool>& seen);
+  void ask_tools_again(std::vector<SceneTool> asked, const std::map<std::uint64_t, SeenTool>& seen);
   void took_steps(const StepReport& report);
+  bool refused_cut = false;  ///< make_cut()
   Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;
@@ -91,6 +97,7 @@ struct Simulation::Parts {
   };
   std::optional<Start> started;
   std::optional<StateHistory> history;
+  int history_every = 1;  ///< steps
 
   /// SolverOptions::progress of the user, for calls that are made of several calls of the solver.
   struct Progress {

@@ -82,6 +82,10 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
   double frequency = first_guess(model, solver(), dt);
   progress.told = Clock::now();
   progress.of = max_steps;
+  struct AtReturn {  // also where the user's function throws
+    Progress& whole;
+    ~AtReturn() { whole.steps_before = whole.of = 0; }
+  } const at_return{progress};
   State from = solver().read(), to;
   RestResult result;
   int steps = 0;
@@ -115,7 +119,6 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
       break;
     }
   }
-  progress.steps_before = progress.of = 0;
   result.report.steps = steps;
   return result;
 }

@@ -74,6 +74,11 @@ bool is_cut_at(const Cell& cell, const std::array<Index, 3>& face) {
 
 }  // namespace
 
+bool Tears::can_tear(Index cell) const {
+  const Cell& own = model_->cells[cell];
+  return own.share > 0.0 && own.material >= 0 && scene_->tearing()[own.material].toughness > 0.0;
+}
+
 double Tears::radius_at(Index cell) const {
   return radius_of(scene_->tearing()[model_->cells[cell].material]);
 }
@@ -301,8 +306,9 @@ void Tears::begin_near_grasps(const TopologyTextures& elastic, const State& now,
   Pull most{.excess = 1.0};
   Index at = -1;
   for (const Index i : surface_) {
-    if (edit_->cells_of()[i].empty() || std::ranges::binary_search(held, i)) continue;
-    const Index cell = edit_->cells_of()[i].front();
+    const auto known = std::ranges::find_if(edit_->cells_of()[i], [this](Index row) { return can_tear(row); });
+    if (known == edit_->cells_of()[i].end() || std::ranges::binary_search(held, i)) continue;
+    const Index cell = *known;
     const double radius = radius_at(cell);
     const auto is_near = [&](const Vec3& place) { return (place - model_->rest[i]).norm() < radius; };
     if (std::ranges::none_of(held, [&](Index k) { return is_near(model_->rest[k]); }) ||
@@ -317,7 +323,7 @@ void Tears::begin_near_grasps(const TopologyTextures& elastic, const State& now,
   }
   if (at < 0) return;
   for (const Index row : edit_->cells_of()[at]) {
-    if (model_->cells[row].share == 0.0) continue;
+    if (!can_tear(row)) continue;
     found.cells.push_back(row);
     for (const Index i : model_->cells[row].particles) {
       found.distance[i] = most.direction.dot(model_->rest[i] - model_->rest[at]);
@@ -335,7 +341,7 @@ void Simulation::Parts::tear(StepReport& report) {
   }
   if (!tears.has_fronts() && scene.tools().empty()) return;
   const Tears::Found torn = tears.find(elastic(), solver().read());
-  if (solver().substeps() > 1) {
+  if (keeps_body()) {
     report.uncut += static_cast<int>(torn.cells.size());
     return;
   }
@@ -347,11 +353,9 @@ void Simulation::Parts::tear(StepReport& report) {
                                         .refused = &refused});
   report.uncut += static_cast<int>(refused);
   if (found.empty()) return;
-  report.torn += static_cast<int>(found.added.size());
-  BodyCuts all = topology->cuts;
-  all.push_back(std::make_shared<const BodyCut>(std::move(found)));
-  set_body(topology->removed, all);
-  if (recorder) recorder->body_changed();
+  const auto added = static_cast<int>(found.added.size());
+  make_cut(std::move(found), torn.cells.size() - refused, report);
+  if (!keeps_body()) report.torn += added;
 }
 
 }  // namespace phymul

@@ -56,6 +56,7 @@ class Tears {
   std::optional<double> known_distance(Index particle, double own, const Vec3& normal) const;
   void find_surface();
   void begin_near_grasps(const TopologyTextures& elastic, const State& now, Found& found);
+  bool can_tear(Index cell) const;     // whether it is there and its material tears
   double radius_at(Index cell) const;  // m, of means
   double radius_of(const Tearing& law) const;
 

@@ -16,6 +16,7 @@
 #include "interaction/closest_point.h"
 #include "interaction/moved_tool.h"
 #include "interaction/tool_shape.h"
+#include "model/cell_geometry.h"
 #include "model/tissue_surface.h"
 #include "scene/loose_parts.h"
 
@@ -124,8 +125,11 @@ double depth_inside(const Model& model, std::span<const std::array<Index, 3>> tr
 
 void look_at_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
   constexpr double many = 5.0;  // bodies; a floor made of a box is thinner
+  // What walls enclose is a lumen, no tissue.
+  const bool hollow = !is_made_of_cells(model) &&
+                      std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_of_wall(model, cell); });
   const std::vector<std::array<Index, 3>> triangles =
-      scene.tools().empty() ? std::vector<std::array<Index, 3>>{} : surface_triangles(model);
+      scene.tools().empty() || hollow ? std::vector<std::array<Index, 3>>{} : surface_triangles(model);
   const double size = body_size(model);
   for (const SceneTool& tool : scene.tools()) {
     const double thickness = 2.0 * least_radius(tool.tool.shape).value_or(0.0);

@@ -306,7 +306,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
 void SolverBackend::start(const State& state, double dt) {
   if (!(dt > 0.0) || !std::isfinite(dt))
     throw Error("Solver::start: expected a finite dt above 0 s; got " + to_decimal(dt));
-  reset(state);  // which refuses what does not fit before anything is computed from it
+  require_fitting(state);  // before anything is computed from it
   State earlier = state;
   to_half_step_before(elastic(), *scene_, {dt, options_.damping.factor_at(dt)}, earlier, substep_forces(state, dt));
   reset(earlier);

@@ -185,9 +185,12 @@ void GridLevel::remove_terms() {
 
 void GridLevel::add_terms(const TopologyTextures& topology, std::span<const Mat3> blocks) {
   remove_terms();
+  std::vector<Index> first(blocks.size(), none);  // of a particle's domains that are left
   for (const Part& part : parts_) {
     const DomainTexel& domain = topology.domains[part.domain];
-    if (topology.first_domain[domain.particle] != part.domain || blocks[domain.particle].isZero(0.0)) continue;
+    Index& own = first[domain.particle];
+    if (own == none) own = part.domain;
+    if (own != part.domain || blocks[domain.particle].isZero(0.0)) continue;
     Cell& cell = cells_[part.cell];
     const Vec3 local = place_in(cell, topology.rest[domain.particle]);
     const double share = part.share * domain.inverse_volume;

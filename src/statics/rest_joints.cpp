@@ -24,6 +24,7 @@ RestJoints::RestJoints(const Scene& scene, const State& state) : scene_(scene) {
     const auto known = std::ranges::find(state.joints, joint.name, &JointState::name);
     for (std::size_t row = 0; row < joint.joint.springs.size(); ++row) {
       if (known != state.joints.end() && std::ranges::count(known->broken, static_cast<Index>(row)) > 0) continue;
+      if (ends_at_removed(joint.joint.springs[row], scene.model().mass)) continue;
       springs_.push_back({.joint = &joint, .spring = &joint.joint.springs[row]});
     }
   }

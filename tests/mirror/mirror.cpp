@@ -200,7 +200,7 @@ class MirrorSolver final : public SolverBackend {
 
   void do_read(State& state) const override {
     state.time = time_;
-    tools_.read(state);
+    tools_.read(scene(), state);
     state.position.resize(u_.size());
     state.velocity.resize(u_.size());
     for (std::size_t i = 0; i < u_.size(); ++i) {

@@ -156,6 +156,40 @@ TEST(BladeState, OfItsSidesIsThatBeforeAStepThatFails) {
   EXPECT_EQ(stroke.sim.snapshot().state.tools.front().blade, before.tools.front().blade);
 }
 
+TEST(BladeState, WhatItHasJustCutIsNotAtRest) {
+  Stroke stroke("cpu", 0.0, -0.005, 1e4, 6);
+  ASSERT_TRUE(stroke.sim.run_to_rest().converged());
+  stroke.pose.position.x() -= 0.02;
+  stroke.blade.move_to(stroke.pose);
+  const RestResult result = stroke.sim.run_to_rest();
+  EXPECT_FALSE(stroke.sim.cuts().empty());
+  EXPECT_FALSE(result.converged() || result.report.at_rest);
+  EXPECT_TRUE(stroke.sim.run_to_rest().converged());
+}
+
+/// Where parts have local steps without substeps, the solver keeps its body.
+TEST(BladeState, CutsNothingBesideAPartWithSmallCells) {
+  Model fine = make_tetrahedral_block({0.002, 0.002, 0.002}, 2, 2, 2, 0.25, 7);
+  for (Vec3& place : fine.rest) place.x() += 0.2;
+  std::vector<SimulationBody> bodies{{.name = "fine", .model = fine}};
+  const Model coarse = make_tetrahedral_block({0.06, 0.04, 0.02}, 15, 10, 5, 0.25, 7);
+  bodies.push_back({.name = "coarse", .model = with_spare_particles(coarse, 900)});
+  SimulationOptions options{.material = {1e4, 0.45, 1000.0}, .backend = "cpu"};
+  options.solver.max_substeps = 8;
+  Simulation sim(std::move(bodies), options);
+  ToolPose pose = Stroke::first(-0.005);
+  const ToolHandle blade = sim.scene().add_tool("scalpel", {.shape = Blade{.width = 0.03}, .pose = pose});
+  ASSERT_EQ(sim.solver().substeps(), 1);
+  int uncut = 0;
+  for (int tick = 0; tick < 10; ++tick) {
+    pose.position.x() -= 1e-3;
+    blade.move_to(pose);
+    uncut += sim.advance(1e-5).uncut;
+  }
+  EXPECT_GT(uncut, 100);
+  EXPECT_TRUE(sim.cuts().empty());
+}
+
 /// A spacing is that of all bodies: here an eighth of the coarse one's edges. The blade goes through its side's middle,
 /// far from all particles.
 TEST(BladeState, CutsACoarseBodyBesideAFineOneToo) {

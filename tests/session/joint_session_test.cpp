@@ -115,6 +115,20 @@ TEST_P(JointSessionIn, AReplayHasWhatWasBroughtBackInItsOrder) {
   EXPECT_EQ(again.snapshot(), sim.snapshot());
 }
 
+TEST(JointsAtRest, PullNothingThatIsRemoved) {
+  Simulation sim(with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2)), {.backend = "reference"});
+  sim.scene().fix("z0");
+  const std::vector<Index> top = sim.model().group("z1");
+  sim.remove_cells(
+      sim.model().cells_in([](const Vec3& place) { return (place.array() > Vec3(0.01, 0.01, 0.01).array()).all(); }));
+  const auto gone = std::ranges::find_if(top, [&](Index i) { return sim.model().mass[i] == 0.0; });
+  ASSERT_NE(gone, top.end());
+  const JointHandle rope = sim.scene().add_joint({at_particle(top.front()), at_particle(*gone), 0.005}, 20.0);
+  ASSERT_TRUE(sim.solve_static().converged());
+  EXPECT_EQ(sim.report_of(rope).broken, 1);
+  EXPECT_LT(sim.max_displacement(), 1e-9);
+}
+
 TEST(JointWarnings, ABodyOnJointsIsHeld) {
   const Model block = with_material(make_block({0.02, 0.02, 0.02}, 2, 2, 2)), other = moved(block, {0.1, 0, 0});
   const Model both = merged({{"a", &block}, {"b", &other}});

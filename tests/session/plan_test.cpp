@@ -280,6 +280,24 @@ TEST(PlanConvergence, FindsOrderLimitAndErrorOfExactSequences) {
   }
 }
 
+TEST(Plan, GoesOnWithABackendThatTakesTheScene) {
+  for (const double coarsest : {0.0, 0.025}) {
+    PlanOptions options = wishes(0.5, 20);
+    options.budget = 0.1;
+    options.backends = {"reference", "cpu"};
+    options.coarsest = coarsest;
+    const Plan made = plan(
+        [](const PlanCandidate& candidate) {
+          if (candidate.backend == "reference") throw Error(ErrorCode::not_supported, "the scene has a tool");
+          return sagging(candidate);
+        },
+        options);
+    ASSERT_FALSE(made.trials.empty());
+    EXPECT_EQ(made.trials.front().candidate.backend, "cpu");
+    EXPECT_GT(made.trials.front().particles, 0);
+  }
+}
+
 TEST(PlanConvergence, KeepsTheOrderInItsRange) {
   // Of order 4: a lower order leaves a larger error, which is the safe side.
   const VecList a = field(0.4, 4.0), b = field(0.2, 4.0), c = field(0.1, 4.0);

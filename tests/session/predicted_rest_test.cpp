@@ -3,12 +3,15 @@
 // StaticOptions::predict: calls that follow each other as loads, tools and held places change come to the same rest, in
 // fewer evaluations.
 #include <gtest/gtest.h>
+#include <phymul/topology_textures.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
 #include <utility>
 
+#include "statics/grid_level.h"
 #include "statics/rest_changes.h"
 #include "support/bodies.h"
 #include "support/failure_states.h"
@@ -202,6 +205,28 @@ TEST(PredictedRest, ReturnsFromAStateThatWasBrokenSince) {
     ASSERT_TRUE(result.converged()) << failure.name << ": " << result.message();
     EXPECT_LT(largest_distance(sim.state().position, rest.position), 1e-4 * sim.max_displacement()) << failure.name;
   }
+}
+
+/// Tables keep the rows of what was removed.
+TEST(RestGrid, HasTheTermsOfAParticleWhoseFirstDomainWasRemoved) {
+  Model model = make_block({0.04, 0.02, 0.02}, 4, 2, 2);
+  set_material(model, {1e4, 0.3, 1000.0});
+  set_material(model, {2e4, 0.3, 1000.0}, [](const Vec3& place) { return place.x() > 0.02; });
+  Simulation sim(std::move(model), {.backend = "reference"});
+  const TopologyTextures& body = sim.solver().topology();
+  const auto at =
+      std::ranges::find_if(body.rest, [](const Vec3& x) { return (x - Vec3(0.02, 0.01, 0.01)).norm() < 1e-9; });
+  const auto i = static_cast<Index>(at - body.rest.begin());
+  sim.remove_cells(sim.model().cells_in([](const Vec3& place) { return place.x() > 0.01 && place.x() < 0.02; }));
+  const auto left = [&](Index row) { return body.domains[body.first_domain[i] + row].link_count > 0; };
+  ASSERT_TRUE(!left(0) && left(1));
+  GridLevel level(body, {}, GridShape::over(body.rest, 0.02));
+  const std::vector<Mat3> at_rest(body.domains.size(), Mat3::Zero());
+  std::vector<Mat3> blocks(body.rest.size(), Mat3::Zero());
+  blocks[i] = 1e3 * Mat3::Identity();  // N/m
+  const double without = level.dense_stiffness(at_rest).trace();
+  level.add_terms(body, blocks);
+  EXPECT_GT(level.dense_stiffness(at_rest).trace(), without + 100.0);
 }
 
 }  // namespace

@@ -189,6 +189,11 @@ TEST(Simulation, RefusesWhatMakesNoSense) {
   for (const double step : {0.0, -0.5, HUGE_VAL, std::nan("")}) {
     EXPECT_THROW(Simulation(model, {.material = soft, .step = step}), Error) << step;
   }
+  for (const Damping damping : {Damping{.rate = -1.0}, Damping{.factor = 1.5}}) {
+    EXPECT_THROW(Simulation(model, {.material = soft, .damping = damping}), Error);
+  }
+  EXPECT_THROW(Simulation(model, {.material = soft, .solver = {.rest_tolerance = -1.0}}), Error);
+  EXPECT_THROW(Simulation(model, {.material = soft, .solver = {.max_substeps = 0}}), Error);
   EXPECT_THROW(Simulation(model, {.material = {.young = -1.0, .poisson = 0.3, .density = 1000}}), Error);
   EXPECT_THROW(Simulation(model, {.material = soft, .materials = {{"nowhere", soft}}}), Error);
   EXPECT_THROW(Simulation(std::vector<SimulationBody>{}), Error);

@@ -121,6 +121,19 @@ TEST(SimulationWarnings, ToolsInOtherUnitsAndInsideTheBody) {
   EXPECT_TRUE(with({.shape = Box{{1, 1, 0.05}}}, {0, 0, -0.06}).empty()) << "a floor";
 }
 
+/// It is in no tissue.
+TEST(SimulationWarnings, AToolInALumenIsUsual) {
+  const Model cube = make_block({0.02, 0.02, 0.02}, 1, 1, 1);
+  Material of_wall = soft;
+  of_wall.thickness = 1e-3;
+  const Model bag = make_wall({cube.rest, surface_triangles(cube), {}}, {.spacing = 0.01, .material = of_wall});
+  const auto found = warnings(bag, {}, [](Scene& scene) {
+    scene.fix(std::vector<Index>{0});
+    scene.add_tool({.shape = Sphere{2e-3}, .pose = {.position = {0.01, 0.01, 0.01}}, .contact = ToolContact::surface});
+  });
+  EXPECT_TRUE(found.empty()) << found.front();
+}
+
 TEST(SimulationWarnings, BodiesThatBeginInsideEachOther) {
   const Model one = block();
   const auto at = [&](double gap, bool touches = true) {

@@ -186,6 +186,12 @@ TEST(StaticTools, WhatAToolGraspsGoesWithIt) {
   EXPECT_LT((felt(solved).force - felt(stepped).force).norm(), 1e-4 * felt(stepped).force.norm());
   EXPECT_LT((felt(solved).torque - felt(stepped).torque).norm(), 1e-4 * felt(stepped).torque.norm());
   EXPECT_EQ(felt(solved).particles, felt(stepped).particles);
+  EXPECT_GT(felt(stepped).held_mass, 0.0);
+  EXPECT_EQ(felt(solved).held_mass, felt(stepped).held_mass);
+  EXPECT_LT((felt(solved).held_inertia - felt(stepped).held_inertia).norm(), 1e-9 * felt(stepped).held_inertia.norm());
+  const Vec3 force = felt(solved).force;
+  ASSERT_TRUE(solved.step(0, 1e-4).ok());
+  EXPECT_EQ(felt(solved).force, force) << "by no step";
 }
 
 TEST(StaticTools, TakeAsManyEvaluationsForALargeBodyAsForASmallOne) {

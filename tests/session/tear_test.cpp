@@ -169,6 +169,29 @@ TEST(Tear, BeginsWhereAToolPulls) {
   EXPECT_LT(force(torn), 0.5 * force(whole));
 }
 
+/// At an interface, where the particle that bears most belongs to both.
+TEST(Tear, PartsOnlyTheMaterialThatTears) {
+  Model model = make_tetrahedral_block({0.06, 0.04, 0.02}, 12, 8, 4, 0.2, 3);
+  const Material weak{1e4, 0.3, 1000.0}, tough{1.0001e4, 0.3, 1000.0};
+  set_material(model, weak);
+  set_material(model, tough, [](const Vec3& place) { return place.x() > 0.03; });
+  model = with_spare_particles(std::move(model), 300);
+  Simulation sim(model, {.backend = "cpu", .damping = {.rate = 20.0}});
+  sim.scene().fix("z0").tear(weak, {.toughness = 0.02});
+  ToolPose pose{.position = {0.03, 0.012, 0.0235}};
+  const ToolHandle forceps = sim.scene().add_tool("forceps", {.shape = Sphere{0.004}, .pose = pose});
+  forceps.grasp(0.003);
+  for (int tick = 0; tick < 100 && sim.cuts().empty(); ++tick) {
+    forceps.move_to(pose);
+    ASSERT_TRUE(sim.advance(1e-3).ok());
+    pose.position.z() += 1e-4;
+  }
+  ASSERT_FALSE(sim.cuts().empty());
+  for (const Cell& cell : sim.model().cells) {
+    EXPECT_TRUE(cell.cuts.empty() || sim.model().materials[cell.material] == weak);
+  }
+}
+
 /// What tore is part of snapshots and recordings, as cuts are.
 TEST(Tear, IsUndoneAndReplayed) {
   Simulation sim = drawn_strip(0.006, 1, notch(0.018), {{0.0, 0.0}, {1.0, 0.01}});
@@ -226,6 +249,12 @@ TEST(Tear, RefusesWhatItCannotDo) {
   EXPECT_TRUE(refuses([&] { of_lattice.tear({.toughness = 1.0}); }, "tetrahedra", "HEXAHEDRON"));
   scene.tear({.toughness = 1.0});
   EXPECT_TRUE(scene.clear().tearing().empty());
+  Model points = make_block({0.01, 0.01, 0.01}, 2, 2, 2, 26);
+  points.cells.clear();
+  points.components.clear();
+  const Model of_points = with_material(std::move(points));
+  Scene without_cells(of_points);
+  EXPECT_TRUE(refuses([&] { without_cells.tear({.toughness = 1.0}); }, "a body of tetrahedra"));
 }
 
 /// Another radius or toughness counts from the next call on, and bringing a body to rest tears as steps do.

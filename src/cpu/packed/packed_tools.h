@@ -42,9 +42,9 @@ class PackedTools {
   std::span<const std::size_t> pushed() const { return pushed_; }
   std::span<const std::pair<std::size_t, std::array<float, 3>>> shifts() const { return shifts_; }
   const FluidState& fluid(const Scene& scene, std::size_t row) const { return touching_.fluid(scene, row); }
-  void read(State& state) const {
-    set_.read(state);
-    touching_.read(state);
+  void read(const Scene& scene, State& state) const {
+    set_.read(scene, state);
+    touching_.read(scene, state);
   }
   int lost_volume() const { return lost_volume_; }  ///< by the last act(): a row; -1: none
   char* loads() { return reinterpret_cast<char*>(load_.data()); }

@@ -344,7 +344,7 @@ class SimdSolver final : public SolverBackend {
     state.time = time_;
     state.position.resize(body_->order.size());
     state.velocity.resize(body_->order.size());
-    tools_.read(state);
+    tools_.read(scene(), state);
     for (std::size_t place = 0; place < body_->order.size(); ++place) {
       const Index i = body_->order[place];
       state.position[i] = topology().rest[i] + displacement(*body_, u_, place);

@@ -70,7 +70,7 @@ class DeviceSolver final : public SolverBackend {
   bool acts_on_host() const;
   void follow_on_host();
   void follow();
-  void read_tools(State& state) const { host_ ? host_->tools.read(state) : tools_.read(state); }
+  void read_tools(State& state) const { host_ ? host_->tools.read(scene(), state) : tools_.read(scene(), state); }
   StrainMemory strains() const;
   void begin_joints();
   static Motion lost_motion();

@@ -66,9 +66,19 @@ void ThreadSet::reset(const Scene& scene, const State& state) {
   find_together();
 }
 
-void ThreadSet::read(State& state) const {
+void ThreadSet::read(const Scene& scene, State& state) const {
   state.threads.resize(threads_.size());
-  for (std::size_t row = 0; row < threads_.size(); ++row) state.threads[row] = state_of(threads_[row].body);
+  std::size_t count = 0;
+  for (const Moving& thread : threads_) {
+    const auto own = std::ranges::find(scene.threads(), thread.id, &SceneThread::id);
+    if (own == scene.threads().end()) continue;  // there may be another of that name by now
+    ThreadState& now = state.threads[count++] = state_of(thread.body);
+    if (thread.seen == own->changes) continue;
+    Moving next{.id = thread.id, .control = thread.control, .body = thread.body};
+    look(next, *own, scene.model().mass);
+    now = state_of(next.body);
+  }
+  state.threads.resize(count);
 }
 
 const ThreadState& ThreadSet::state(const SceneThread& wanted) const {

@@ -30,7 +30,7 @@ class ThreadSet {
   bool empty() const { return threads_.empty(); }
 
   void reset(const Scene& scene, const State& state);
-  void read(State& state) const;
+  void read(const Scene& scene, State& state) const;  ///< of the threads that the scene has, as they are held by now
   /// A call of `steps` steps begins: looks for what holds the threads now. `at_once`: nodes go there in the first step.
   void begin_call(const Scene& scene, int steps, bool at_once);
 

@@ -43,6 +43,15 @@ Planner::Planner(SceneBuilder builder, PlanOptions options, double guess)
   first_.step = *std::ranges::max_element(plan_.options.steps);
 }
 
+bool Planner::goes_to_next_backend(const std::exception& error) {
+  const auto* const own = dynamic_cast<const Error*>(&error);
+  const auto next = std::ranges::find(plan_.options.backends, first_.backend) + 1;
+  if (own == nullptr || own->code() != ErrorCode::not_supported || !levels_.empty()) return false;
+  if (next == plan_.options.backends.end()) return false;
+  first_.backend = *next;
+  return true;
+}
+
 double Planner::first_spacing() {
   const PlanOptions& options = plan_.options;
   if (options.coarsest > 0.0) return options.coarsest;
@@ -60,6 +69,10 @@ double Planner::first_spacing() {
     } catch (const std::exception& error) {
       const auto* const own = dynamic_cast<const Error*>(&error);
       if (own != nullptr && own->code() == ErrorCode::unknown_name) throw;  // of a group: no spacing mends that
+      if (goes_to_next_backend(error)) {
+        --k;
+        continue;
+      }
       refusal = error.what();
       if (best > 0.0 || spacing <= options.finest) break;
       spacing *= 0.5;
@@ -104,6 +117,7 @@ bool Planner::add_level(double spacing, bool in_ladder) {
   } catch (const SceneError&) {
     throw;
   } catch (const std::exception& error) {
+    if (goes_to_next_backend(error)) return add_level(spacing, in_ladder);
     level.probe.failure = error.what();
   }
   if (!is_new) return false;

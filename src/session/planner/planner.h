@@ -30,9 +30,10 @@ class Planner {
   };
 
   double first_spacing();
-  void refine();   ///< finer and finer bodies
-  void coarsen();  ///< coarser and coarser bodies, while they keep the error
-  void bisect();   ///< between the coarsest one that keeps the error and the next coarser one
+  bool goes_to_next_backend(const std::exception& error);  ///< where the first one refuses the scene
+  void refine();                                           ///< finer and finer bodies
+  void coarsen();                                          ///< coarser and coarser bodies, while they keep the error
+  void bisect();  ///< between the coarsest one that keeps the error and the next coarser one
   bool add_level(double spacing, bool in_ladder);
   void estimate_errors();
   double predicted_seconds(double spacing) const;

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+//
+// What a simulation is asked between two steps, where states are set, read or refused before the next one.
+#include <gtest/gtest.h>
+#include <phymul/backend.h>
+
+#include <cmath>
+
+#include "support/bodies.h"
+#include "support/every_backend.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+constexpr Material asked_tissue{.young = 1e4, .poisson = 0.3, .density = 1000.0};
+const ToolPose above_cube{.position = {0.02, 0.02, 0.045}}, far_above_cube{.position = {0.02, 0.02, 0.2}};
+
+Simulation held_cube(const std::string& backend = "reference", int n = 4) {
+  Simulation sim(make_tetrahedral_block({0.04, 0.04, 0.04}, n, n, n, 0.2, 3),
+                 {.material = asked_tissue, .backend = backend, .damping = {.rate = 20.0}});
+  sim.scene().fix("z0");
+  return sim;
+}
+
+/// A state of another body.
+void restore_what_does_not_fit(Simulation& sim) {
+  EXPECT_TRUE(refuses([&] { sim.restore(held_cube("reference", 3).snapshot()); }, "expected"));
+}
+
+/// All of which make the solver, or give it a state, before the next step.
+const std::vector<std::function<void(Simulation&)>> before_steps{[](Simulation& sim) { (void)sim.warnings(); },
+                                                                 [](Simulation& sim) { sim.set_state(sim.state()); },
+                                                                 restore_what_does_not_fit};
+
+class AskedBetweenStepsOn : public OnEveryBackend {};
+PHYMUL_ON_BACKENDS(AskedBetweenStepsOn, (std::vector<std::string>{"reference", "cpu"}));
+
+TEST_P(AskedBetweenStepsOn, AVolumeIsTheOneThatWasSet) {
+  for (std::size_t kind = 0; kind < before_steps.size(); ++kind) {
+    Simulation sim = held_cube(GetParam());
+    sim.scene().constrain_volume();
+    const VolumeConstraint whole = sim.scene().volume_constraints()[0];
+    const auto set = [&] { sim.scene().set_volume(whole.name, 1.02 * whole.volume); };
+    if (kind == 2) set();  // what is refused comes after
+    before_steps[kind](sim);
+    if (kind != 2) set();
+    EXPECT_NEAR(sim.state().fluids.at(0).volume, 1.02 * whole.volume, 1e-12 * whole.volume) << kind;
+    ASSERT_TRUE(sim.advance(1e-3).ok());
+    EXPECT_NEAR(sim.solver().fluid(whole.name).volume, 1.02 * whole.volume, 1e-6 * whole.volume) << kind;
+  }
+}
+
+/// m, between the passages of a clip that is drawn to 2 mm.
+double closed_gap(std::size_t kind) {
+  Simulation sim = held_cube();
+  const auto top = [&](double x) {
+    return at_mean(sim.model().particles_in([&](const Vec3& place) {
+      return std::abs(place.x() - x) < 0.007 && place.z() > 0.039 && std::abs(place.y() - 0.02) < 0.012;
+    }));
+  };
+  const ThreadHandle clip = sim.scene().add_clip("clip", {.gap = 8e-3, .holding = 5.0}, top(0.013), top(0.027));
+  EXPECT_TRUE(sim.advance(2e-3).ok());
+  if (kind == 1) sim.set_state(sim.state());
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) clip.clamp(tip, 5.0, 2e-3);
+  if (kind == 2) restore_what_does_not_fit(sim);
+  if (kind == 3) sim.restore(sim.snapshot());
+  EXPECT_TRUE(sim.advance(2e-3).ok());
+  return sim.solver().thread_state(clip).rest_length.at(1);
+}
+
+TEST(AskedBetweenSteps, AClipClosesAgain) {
+  for (std::size_t kind = 0; kind < 4; ++kind) EXPECT_NEAR(closed_gap(kind), 2e-3, 1e-9) << kind;
+}
+
+/// What was removed has left nothing to what now has its name.
+TEST_P(AskedBetweenStepsOn, WhatIsAddedAgainBeginsAnew) {
+  Simulation sim = held_cube(GetParam());
+  Scene& scene = sim.scene();
+  scene.constrain_volume();
+  VolumeConstraint kept = scene.volume_constraints()[0];
+  scene.add_tool("hand", {.shape = Sphere{5e-3}, .pose = above_cube}).grasp(4e-3);
+  scene.add_thread("thread", {.length = 0.02}, {0, 0, 0.2}, {1, 0, 0});
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  ASSERT_GT(sim.solver().held("hand"), 0);
+  scene.remove_tool("hand");
+  const ToolHandle hand = scene.add_tool("hand", {.shape = Sphere{5e-3}, .pose = far_above_cube});
+  scene.remove_thread("thread");
+  const ThreadHandle thread = scene.add_thread("thread", {.length = 0.02}, {0, 0, 0.4}, {1, 0, 0});
+  scene.remove_volume(kept.name);
+  kept.volume *= 1.01;
+  scene.constrain_volume(kept);
+  const State state = sim.state();
+  EXPECT_TRUE(state.tools.empty() && state.threads.empty());
+  for (const bool whole : {true, false}) {
+    whole ? sim.restore(sim.snapshot()) : sim.set_state(state);
+    EXPECT_EQ(sim.solver().held(hand), 0);
+    EXPECT_EQ(sim.pose_of(hand).position.z(), 0.2);
+    EXPECT_EQ(sim.solver().thread_state(thread).position[0].z(), 0.4);
+  }
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  EXPECT_EQ(sim.solver().held(hand), 0);
+  EXPECT_NEAR(sim.solver().fluid(kept.name).volume, kept.volume, 1e-6 * kept.volume);
+}
+
+TEST(AskedBetweenSteps, ANewToolMovesNoBodyAtRest) {
+  Simulation sim = held_cube();
+  sim.scene().add_tool("hand", {.shape = Sphere{5e-3}, .pose = above_cube}).grasp(4e-3);
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  ASSERT_GT(sim.solver().held("hand"), 0);
+  sim.scene().remove_tool("hand");
+  sim.scene().add_tool("hand", {.shape = Sphere{5e-3}, .pose = far_above_cube});
+  ASSERT_TRUE(sim.solve_static().converged());
+  EXPECT_LT(sim.max_displacement(), 1e-6);
+}
+
+/// Whether nothing of the state was taken over, or the solver refuses it after its tools were.
+TEST(AskedBetweenSteps, ToolsDoWhatWasAskedBeforeAStateThatIsRefused) {
+  for (const bool damaged : {false, true}) {
+    Simulation sim = held_cube();
+    const ToolHandle hand = sim.scene().add_tool("hand", {.shape = Sphere{5e-3}, .pose = above_cube});
+    ASSERT_TRUE(sim.advance(1e-3).ok());
+    Snapshot other = sim.snapshot();
+    other.last_dt = -1.0;
+    const ToolPose above{.position = {0.02, 0.02, 0.046}};
+    hand.grasp(4e-3);
+    hand.move_to(above);
+    if (damaged) {
+      EXPECT_TRUE(refuses([&] { sim.restore(other); }, "expected a finite last step"));
+    } else {
+      restore_what_does_not_fit(sim);
+    }
+    ASSERT_TRUE(sim.advance(1e-3).ok());
+    EXPECT_GT(sim.solver().held(hand), 0) << damaged;
+    EXPECT_EQ(sim.pose_of(hand), above) << damaged;
+  }
+}
+
+}  // namespace
+}  // namespace phymul::test

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+//
+// Calls of a simulation that end in an exception, and calls that are refused: what they leave behind.
+#include <gtest/gtest.h>
+#include <phymul/backend.h>
+#include <phymul/recording.h>
+
+#include <stdexcept>
+
+#include "support/bodies.h"
+#include "support/message_of.h"
+
+namespace phymul::test {
+namespace {
+
+/// A swaying block; `tell`: SolverOptions::progress, after each step.
+Simulation swaying(std::function<bool(const StepProgress&)> tell = {}, double rate = 0.0) {
+  SimulationOptions options{.material = soft_tissue(), .backend = "reference", .damping = {.rate = rate}};
+  options.solver.progress = std::move(tell);
+  options.solver.progress_seconds = 0.0;
+  Simulation sim(make_block({0.04, 0.04, 0.04}, 3, 3, 3), options);
+  sim.scene().fix("z0").gravity({3, 0, -9.81});
+  return sim;
+}
+
+TEST(InterruptedCalls, ARecordingHasTheStepsBeforeTheException) {
+  for (const bool to_rest : {false, true}) {
+    int left = 1000;
+    Simulation sim = swaying([&](const StepProgress&) {
+      if (--left == 0) throw std::runtime_error("of the user");
+      return true;
+    });
+    sim.record();
+    ASSERT_TRUE(sim.step(3, 1e-4).ok());
+    left = 5;
+    EXPECT_THROW(to_rest ? (void)sim.run_to_rest(20) : (void)sim.step(20, 1e-4), std::runtime_error);
+    ASSERT_TRUE(sim.step(4, 1e-4).ok());
+    Simulation other = swaying();
+    other.replay(sim.recording());
+    EXPECT_EQ(other.solver().read(), sim.solver().read()) << to_rest;
+  }
+}
+
+TEST(InterruptedCalls, ProgressIsThatOfTheNextCall) {
+  bool throws = true;
+  int first = 0, of = 0;
+  Simulation sim = swaying([&](const StepProgress& progress) {
+    if (throws && progress.steps > 50) throw std::runtime_error("of the user");
+    if (!throws && first == 0) first = progress.steps, of = progress.of;
+    return true;
+  });
+  EXPECT_THROW(sim.run_to_rest(1000), std::runtime_error);
+  throws = false;
+  ASSERT_TRUE(sim.step(11, 1e-4).ok());
+  EXPECT_EQ(first, 1);
+  EXPECT_EQ(of, 11);
+}
+
+/// Velocities are converted by forces, which overflow.
+TEST(InterruptedCalls, AStateBeyondAllNumbersChangesNothing) {
+  Simulation sim = swaying();
+  ASSERT_TRUE(sim.step(5, 1e-4).ok());
+  const Snapshot before = sim.snapshot();
+  State state = sim.state();
+  for (Vec3& place : state.position) place *= 1e160;
+  EXPECT_TRUE(refuses([&] { sim.set_state(state); }, "not finite"));
+  EXPECT_EQ(sim.snapshot(), before);
+  sim.set_state(sim.state());
+  EXPECT_EQ(sim.step(1, 1e308).status, StepStatus::unstable_step);
+}
+
+TEST(InterruptedCalls, AHistoryStaysWhereANewOneIsRefused) {
+  Simulation sim = swaying();
+  sim.keep_history(1);
+  ASSERT_TRUE(sim.step(5, 1e-4).ok());
+  EXPECT_TRUE(refuses([&] { sim.keep_history(0); }, "expected a state every 1 step"));
+  EXPECT_TRUE(sim.rewind(0.0));
+}
+
+TEST(InterruptedCalls, ARecordingOfOtherOptionsChangesNothing) {
+  Simulation other = swaying({}, 5.0), sim = swaying();
+  other.scene().gravity({0, 0, -1});
+  other.remove_cells(std::vector<Index>{0});
+  other.record();
+  ASSERT_TRUE(other.step(3, 1e-4).ok());
+  sim.record();
+  ASSERT_TRUE(sim.step(3, 1e-4).ok());
+  EXPECT_TRUE(refuses([&] { sim.replay(other.recording()); }, "damping.rate 5"));
+  EXPECT_EQ(sim.scene().gravity(), Vec3(3, 0, -9.81));
+  EXPECT_EQ(sim.scene().loads().size(), 1u);
+  EXPECT_TRUE(sim.removed_cells().empty());
+  EXPECT_NO_THROW((void)sim.recording());
+}
+
+/// A pose that was set begins a line of its own.
+TEST(InterruptedCalls, AReplayEndsWithTheVelocitiesThatWereSet) {
+  Simulation sim = swaying(), other = swaying();
+  sim.record();
+  ASSERT_TRUE(sim.step(5, 1e-4).ok());
+  State state = sim.state();
+  for (Vec3& velocity : state.velocity) velocity += Vec3(0.1, 0, 0);
+  sim.set_state(state);
+  other.replay(sim.recording());
+  EXPECT_EQ(other.state().velocity, sim.state().velocity);
+  for (Simulation* const one : {&sim, &other}) ASSERT_TRUE(one->step(3, 0.5e-4).ok());
+  EXPECT_EQ(other.solver().read(), sim.solver().read());
+}
+
+TEST(InterruptedCalls, AHistoryForgetsWhatLedElsewhere) {
+  Simulation sim = swaying({}, 5.0), other = swaying({}, 5.0);
+  other.record();
+  ASSERT_TRUE(other.step(50, 1e-4).ok());
+  sim.keep_history(1);
+  for (int k = 0; k < 40; ++k) ASSERT_TRUE(sim.step(1, 1e-4).ok());
+  sim.replay(other.recording());
+  EXPECT_FALSE(sim.rewind(2e-3));
+  EXPECT_TRUE(sim.rewind(sim.time()));
+  sim.keep_history(1000);
+  ASSERT_TRUE(sim.solve_static().converged());
+  const VecList rest = sim.solver().read().position;
+  for (int k = 0; k < 10; ++k) ASSERT_TRUE(sim.step(1, 1e-4).ok());
+  ASSERT_TRUE(sim.rewind(sim.time()));
+  EXPECT_EQ(sim.solver().read().position, rest);
+}
+
+}  // namespace
+}  // namespace phymul::test
