@@ -70,23 +70,27 @@ void KeptVolumes::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < surfaces_.size(); ++row) {
     Surface& surface = surfaces_[row];
     const auto known = std::ranges::find(state.fluids, surface.now.name, &FluidState::name);
-    surface.has_pressure = known != state.fluids.end();
-    if (surface.has_pressure) surface.now = *known;
-    if (!surface.has_pressure) {
+    surface.has_pressure = known != state.fluids.end() && !std::signbit(known->pressure_before);
+    if (known != state.fluids.end()) {
+      surface.now = *known;
+    } else {
       surface.now.volume = scene.volume_constraints()[row].volume;
       surface.now.pressure = surface.now.pressure_before = 0.0;
     }
   }
 }
 
-/// Without an entry a fluid begins as before its first step.
+/// A fluid that begins anew in its next step has a pressure before of -0, which equals that of others.
 void KeptVolumes::read(const Scene& scene, State& state) const {
   state.fluids.clear();
   for (const Surface& surface : surfaces_) {
     const auto own = std::ranges::find_if(scene.volume_constraints(),
                                           [&](const VolumeConstraint& kept) { return is_of(surface, kept); });
-    const bool is_as_then = own != scene.volume_constraints().end() && surface.seen == own->changes;
-    if (is_as_then && surface.has_pressure) state.fluids.push_back(surface.now);
+    if (own == scene.volume_constraints().end()) continue;
+    FluidState& fluid = state.fluids.emplace_back(surface.now);
+    const bool was_set = surface.seen != own->changes;
+    if (was_set) fluid.volume = own->volume;
+    if (was_set || !surface.has_pressure) fluid.pressure_before = -0.0;
   }
 }
 
@@ -160,7 +164,7 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
     surface.next.volume = reached / fluid_ratio(surface.law, 0.0).volume;
   }
   surface.next.pressure = s && !dry ? push.pressure(*s) : 0.0;
-  surface.next.pressure_before = push.now;
+  surface.next.pressure_before = push.now + 0.0;  // not -0: read()
   // Where nothing is free to make up for it, what a backend in single precision rounds is not a loss; nor is what is no
   // number, whose particle is found out elsewhere.
   if (!s) return !(std::abs(surface.now.volume - reached) > rounded_volume_share * surface.now.volume);

@@ -151,7 +151,8 @@ Load for_merged(Load load, Index first) {
 BodyRows body_rows(const Model& model) {
   UnionFind sets(model.rest.size());
   // Lists of neighbours do not follow cuts and removals.
-  const bool whole = std::ranges::all_of(model.cells, [](const Cell& cell) { return cell.share == 1.0; });
+  const bool whole =
+      std::ranges::all_of(model.cells, [](const Cell& cell) { return cell.share == 1.0 && cell.cuts.empty(); });
   for (Index i = 0; whole && i < model.neighbours.rows(); ++i) {
     for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) sets.join(i, *j);
   }

@@ -244,6 +244,7 @@ void Recorder::keep_body() {
 
 void Recorder::body_changed() {
   const TopologyTextures& body = solver_.topology();
+  if (before_) before_->loads.clear();  // which the replay has otherwise after the edit: with copies, or without
   if (!equal_cuts(cuts_, body.cuts)) {
     const auto stays = static_cast<std::size_t>(std::ranges::mismatch(cuts_, body.cuts).in1 - cuts_.begin());
     ByteWriter out;

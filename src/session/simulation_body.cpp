@@ -45,7 +45,13 @@ void Simulation::Parts::change_body(const std::vector<Index>& removed, const Bod
   };
   const auto same = [](const auto& a, const auto& b) { return a == b || *a == *b; };
   const auto stays = std::ranges::mismatch(topology->cuts, cuts, same);
-  const bool only_further = stays.in1 == topology->cuts.end() && removed == topology->removed;
+  const auto past_removed = [&](const std::shared_ptr<const BodyCut>& cut) {
+    return std::ranges::any_of(cut->changed, [&](const BodyCut::Change& change) {
+      return std::ranges::binary_search(topology->removed, change.row);
+    });
+  };
+  const bool only_further = stays.in1 == topology->cuts.end() && removed == topology->removed &&
+                            std::none_of(stays.in2, cuts.end(), past_removed);
   if (!only_further && !equal_cuts(topology->cuts, cuts)) set_removed({});
   const auto kept = static_cast<std::size_t>(stays.in2 - cuts.begin());
   while (topology->cuts.size() > kept) {

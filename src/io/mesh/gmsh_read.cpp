@@ -271,10 +271,10 @@ class GmshReader {
       const auto numbers = static_cast<std::size_t>(1 + type.nodes);
       const std::size_t n = in_.count(size_type, numbers * in_.least_bytes(size_type), "a number of elements");
       const auto groups = entity_groups_.find({type.dimension, entity});
-      // A small file must not take much memory.
+      // A small file must not take much memory: at most 64 bytes for each of its own.
       if (groups != entity_groups_.end()) memberships_ += n * groups->second.size();
-      if (memberships_ > in_.position() + in_.remaining()) {
-        in_.fail("expected elements in fewer physical groups than the file has bytes; the file is damaged");
+      if (memberships_ / 16 > in_.position() + in_.remaining()) {
+        in_.fail("expected elements in at most 16 physical groups for each byte of the file; the file is damaged");
       }
       for (std::size_t i = 0; i < n; ++i) {
         const std::int64_t tag = in_.integer(size_type, "an element tag");

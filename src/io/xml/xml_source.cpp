@@ -118,14 +118,21 @@ void XmlSource::parse(bool instructions) {
 
 /// References to characters that XML does not have: 0 would end a name, and write_pml refuses the others.
 void XmlSource::refuse_control_characters() const {
-  for (std::size_t at = text_.find("&#"); at != std::string::npos; at = text_.find("&#", at + 1)) {
+  using Marks = std::pair<std::string_view, std::string_view>;
+  for (std::size_t at = text_.find_first_of("<&"); at != std::string::npos; at = text_.find_first_of("<&", at + 1)) {
+    for (const auto& [begin, end] : {Marks{"<!--", "-->"}, Marks{"<![CDATA[", "]]>"}, Marks{"<?", "?>"}}) {
+      if (text_.compare(at, begin.size(), begin) == 0)
+        at = std::min(text_.find(end, at + begin.size()), text_.size() - 1);
+    }
+    if (text_.compare(at, 2, "&#") != 0) continue;
     const bool hexadecimal = text_.compare(at + 2, 1, "x") == 0;
     const char* const digits = text_.data() + at + (hexadecimal ? 3 : 2);
     std::uint32_t code = 0;
     const auto [end, problem] = std::from_chars(digits, text_.data() + text_.size(), code, hexadecimal ? 16 : 10);
     if (end == digits || end == text_.data() + text_.size() || *end != ';') continue;  // no reference
     const bool is_blank = code == '\t' || code == '\n' || code == '\r';
-    if (problem == std::errc() && (code >= 0x20 || is_blank) && code <= 0x10FFFF) continue;
+    const bool is_half = code >= 0xD800 && code < 0xE000;  // of a pair in UTF-16
+    if (problem == std::errc() && (code >= 0x20 || is_blank) && code <= 0x10FFFF && !is_half) continue;
     fail_format(name_, line_at(at),
                 "expected references to characters of text, got " + cite({text_.data() + at, end + 1}));
   }
