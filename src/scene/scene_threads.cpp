@@ -329,10 +329,6 @@ void ThreadHandle::set(const ThreadControl& wanted) const {
     }
     if (wanted.knots != now.knots) {
       for (const Knot& knot : now.knots) loosen(knot.a, knot.b);
-      // Of passages to come, where the tip was at a needle between the calls of set().
-      const auto count = static_cast<Index>(before.passages.size());
-      const bool are_ahead = std::ranges::any_of(wanted.knots, [&](const Knot& knot) { return knot.b >= count; });
-      if (are_ahead && before.is_sewn()) own().direction = Vec3::Zero();
       for (const Knot& knot : wanted.knots) {
         tie(knot.a, knot.b, knot.throws);
         take_call(own().control.knots.back().call, knot.call);

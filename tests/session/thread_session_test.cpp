@@ -248,27 +248,5 @@ TEST(ThreadSession, ComesBackInAnyDirection) {
   }
 }
 
-/// A recording has what holds between steps alone.
-TEST(ThreadSession, ATipThatWasAtANeedleBetweenStepsIsReplayed) {
-  const auto make = [] {
-    Simulation sim = wound_on("reference");
-    sim.scene().add_tool("needle",
-                         {.shape = Needle{.length = 0.02, .radius = 3e-4}, .pose = {.position = {0, 0, 0.1}}});
-    return sim;
-  };
-  Simulation sim = make(), again = make();
-  const double dt = 0.4 * sim.solver().stable_step();
-  sim.record();
-  const ThreadHandle stitch = sew_on(sim.scene());
-  ASSERT_TRUE(sim.step(1, dt).ok());
-  stitch.join(ThreadTip::last, at_tool("needle"));
-  stitch.pull(ThreadTip::last, {0, 0, 0.01});
-  stitch.tie(0, 5, 1);
-  ASSERT_TRUE(sim.step(1, dt).ok());
-  again.replay(sim.recording());
-  EXPECT_EQ(again.state(), sim.state());
-  EXPECT_EQ(again.scene().threads()[0].control, sim.scene().threads()[0].control);
-}
-
 }  // namespace
 }  // namespace phymul::test
