@@ -187,7 +187,7 @@ TEST(PmlErrors, OfManyAttributesTheRepeatedOneIsNamed) {
 }
 
 TEST(PmlErrors, ReferencesToControlCharacters) {
-  for (const char* const wrong : {"&#0;", "&#1;", "&#x1F;", "&#0011;", "&#4294967297;", "&#x110000;"}) {
+  for (const char* const wrong : {"&#0;", "&#1;", "&#x1F;", "&#0011;", "&#4294967297;", "&#x110000;", "&#xD800;"}) {
     EXPECT_TRUE(refuses([&] { read_pml_text(std::string("<physicalModel\nname='a") + wrong + "b'/>", "t.pml"); },
                         "t.pml:2: expected references to characters of text, got \"" + std::string(wrong) + '"'));
   }
@@ -195,6 +195,11 @@ TEST(PmlErrors, ReferencesToControlCharacters) {
     EXPECT_FALSE(refuses([&] { read_pml_text(std::string("<physicalModel name='a") + right + "b'/>", "t.pml"); },
                          "characters of text"))
         << right;
+  }
+  for (const char* const text : {"<!-- &#0; -->", "<?note &#0; ?>", "<![CDATA[&#0;]]>", "<!-- &#0;", "<"}) {
+    EXPECT_FALSE(refuses([&] { read_pml_text(std::string("<physicalModel>") + text + "</physicalModel>", "t.pml"); },
+                         "characters of text"))
+        << text;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "interaction/contact_surface.h"
 #include "scene/loose_parts.h"
 #include "support/message_of.h"
 #include "support/rounding_bound.h"
@@ -178,6 +179,20 @@ TEST(SeveralBodies, ALoadOnBothPushesTheOneThatNothingHolds) {
   EXPECT_EQ(first_pushed(every_particle(model)), model.group("hard").front());
   EXPECT_EQ(first_pushed(model.group("hard")), model.group("hard").front());
   EXPECT_EQ(first_pushed(model.group("soft")), -1);
+}
+
+/// As in a lattice: no cell is divided, so that all keep their whole volume.
+TEST(SeveralBodies, OfACutAlongFacesAreTwo) {
+  const Model block = with_material(make_tetrahedral_block({0.04, 0.03, 0.03}, 4, 3, 3, 0.0, 1), {5e3, 0.4, 1000.0});
+  Simulation sim(with_spare_particles(block, 300), {.backend = "reference"});
+  ASSERT_TRUE(sim.cut(cut_plane({0, 0, 0.02}, {0, 0, 1})));
+  EXPECT_EQ(connected_bodies(sim.model()).size(), 2u);
+  FollowedSurface surface;
+  surface.of(sim.scene());
+  CutSurface further = cut_plane({0.034, 0, 0}, {1, 0, 0.1});
+  further.front = [](const Vec3& x) { return 0.023 - x.z(); };
+  ASSERT_TRUE(sim.cut(further));
+  EXPECT_EQ(surface.of(sim.scene())->body_of, make_contact_surface(sim.model()).body_of);
 }
 
 }  // namespace

@@ -36,6 +36,18 @@ const std::vector<std::function<void(Simulation&)>> before_steps{[](Simulation& 
 class AskedBetweenStepsOn : public OnEveryBackend {};
 PHYMUL_ON_BACKENDS(AskedBetweenStepsOn, (std::vector<std::string>{"reference", "cpu"}));
 
+TEST_P(AskedBetweenStepsOn, AStateSaysHowMuchFluidThereIs) {
+  Simulation sim = held_cube(GetParam());
+  sim.scene().constrain_volume();
+  const VolumeConstraint whole = sim.scene().volume_constraints()[0];
+  const Snapshot start = sim.snapshot();
+  sim.scene().set_volume(whole.name, 1.02 * whole.volume);
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  sim.restore(start);
+  EXPECT_EQ(sim.solver().fluid(whole.name).volume, whole.volume);
+  EXPECT_EQ(sim.snapshot(), start);
+}
+
 TEST_P(AskedBetweenStepsOn, AVolumeIsTheOneThatWasSet) {
   for (std::size_t kind = 0; kind < before_steps.size(); ++kind) {
     Simulation sim = held_cube(GetParam());

@@ -154,5 +154,41 @@ TEST(CutFiles, RemovedCellsOutOfOrderAreRefused) {
   }
 }
 
+/// The removed cells are those of now, and the cuts begin as those of now, but go through a removed cell.
+TEST(CutFiles, ACutThroughACellThatWasRemovedIsRestored) {
+  Simulation sim = cut_file_body();
+  const Snapshot whole = sim.snapshot();
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0, 0}, {1, 0.2, 0.1})));
+  const std::vector<Index> removed{sim.cuts().front()->changed.front().row};
+  sim.remove_cells(removed);
+  const Snapshot wanted = sim.snapshot();
+  sim.restore(whole);
+  sim.remove_cells(removed);
+  sim.restore(wanted);
+  Simulation other = cut_file_body();
+  other.restore(wanted);
+  EXPECT_EQ(sim.model().cells[removed[0]].share, 0.0);
+  EXPECT_TRUE(std::ranges::equal(sim.model().cells, other.model().cells));
+}
+
+/// The cut added copies to it in the replay, too.
+TEST(CutFiles, ALoadThatIsSetAgainAfterACutIsReplayed) {
+  Simulation sim = cut_file_body();
+  Load load{.type = LoadType::pressure, .events = {{0.0, 50.0}}};
+  load.particles = sim.model().particles_in([](const Vec3& x) { return x.y() < 1e-9; });
+  sim.scene().add(load);
+  const std::size_t row = sim.scene().loads().size() - 1;
+  sim.record();
+  sim.step(2, 1e-4);
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0, 0}, {1, 0.2, 0.1})));
+  ASSERT_GT(sim.scene().loads()[row].particles.size(), load.particles.size());
+  sim.scene().replace(row, load);
+  sim.step(5, 1e-4);
+  Simulation again = cut_file_body();
+  again.replay(sim.recording());
+  EXPECT_EQ(again.scene().loads()[row].particles, load.particles);
+  EXPECT_EQ(again.snapshot(), sim.snapshot());
+}
+
 }  // namespace
 }  // namespace phymul
