@@ -187,13 +187,13 @@ TEST(NeedleLetGo, DrivesTheBodyByNothingThatPullsIt) {
       ASSERT_GT(solver->read().tools[0].needle.hole.size(), 2u);
       scene.remove(0);
       needle.release();
-      const Anchor side = at_particle(model.group("x0")[3]), hub = at_tool("needle", {0, 0, 0.02});
+      const Anchor flank = at_particle(model.group("x0")[3]), hub = at_tool("needle", {0, 0, 0.02});
       if (thread) {
         const ThreadHandle free = scene.add_thread({.length = 0.02}, {0.002, 0.006, 0.012}, {0, 0, 1});
-        free.join(ThreadTip::first, side);
+        free.join(ThreadTip::first, flank);
         free.join(ThreadTip::last, hub);
       } else {
-        scene.add_joint({side, hub, 0.0}, 20.0);
+        scene.add_joint({flank, hub, 0.0}, 20.0);
       }
       const Vec3 before = solver->momentum().linear;
       ASSERT_TRUE(solver->step(100, dt).ok());
