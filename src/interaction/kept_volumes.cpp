@@ -70,7 +70,10 @@ void KeptVolumes::reset(const Scene& scene, const State& state) {
   for (std::size_t row = 0; row < surfaces_.size(); ++row) {
     Surface& surface = surfaces_[row];
     const auto known = std::ranges::find(state.fluids, surface.now.name, &FluidState::name);
-    surface.has_pressure = known != state.fluids.end() && !std::signbit(known->pressure_before);
+    const auto begins_anew = [](double pressure_before) {
+      return pressure_before == 0.0 && std::signbit(pressure_before);
+    };
+    surface.has_pressure = known != state.fluids.end() && !begins_anew(known->pressure_before);
     if (known != state.fluids.end()) {
       surface.now = *known;
     } else {
@@ -148,6 +151,10 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
   if (push.has_law()) {
     push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
     push.before = surface.has_pressure ? surface.now.pressure_before : push.now;
+  }
+  if (touched.is_remainder() && !push.has_law()) {
+    surface.next = surface.now;
+    return true;
   }
   // By the same sum as Scene's, so that rest stays rest.
   const double reached = enclosed_volume(surface.triangles, surface.end);

@@ -41,12 +41,6 @@ Region swept_bounds(const ShapeIn<double>& shape, const Region& own, const ToolF
   return region;
 }
 
-/// Whether a step is a remainder, as at the end of a loop of calls: so short that an impulse which puts right what
-/// single precision rounds would be a blow.
-bool is_remainder(const TouchedParticles& touched) {
-  return touched.dt() < 1e-3 * touched.last_dt();
-}
-
 /// Tool::suction. `found`: room.
 void suck(const Tool& tool, const ShapeIn<double>& shape, const Region& bounds, const ToolFrame& frame,
           TouchedParticles& touched, std::vector<Index>& found, ToolForce& force) {
@@ -204,7 +198,7 @@ void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
   const double dt = touched.dt();
   for (std::size_t k = 0; k < tool.moved.held.size(); ++k) {
     TouchedParticles::Touched& particle = touched[touched.slot(tool.moved.held[k])];
-    const Vec3 from = is_remainder(touched) ? start.outside(tool.moved.held_at[k]) : particle.position;
+    const Vec3 from = touched.is_remainder() ? start.outside(tool.moved.held_at[k]) : particle.position;
     particle.shift += particle.free_part(from - particle.position);
     const Vec3 velocity = (end.outside(tool.moved.held_at[k]) - from) / dt;
     const Vec3 given = TouchedParticles::push(particle, (velocity - particle.velocity) / particle.inverse_mass);
@@ -275,6 +269,7 @@ bool ToolSet::may_touch(int steps, double dt, double wide, const std::function<b
 void ToolSet::pass(int steps, double dt, std::span<const JointSet::Pull> pulls, std::span<const JointSet::Pull> sums) {
   for (std::size_t row = 0; row < tools_.size(); ++row) {
     MovedTool& moved = tools_[row].moved;
+    if (steps > 0 && std::exchange(tools_[row].is_taken, false)) tools_[row].needle->set_free(false);
     for (int step = 0; step < steps; ++step) {
       moved.motion.advance(dt);
       moved.accept_pose();
@@ -292,7 +287,7 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     tool.next_force = {};
     tool.moved.motion.advance(touched.dt());
-    tool.law.placed = tool.moved.motion.placed || is_remainder(touched) ||
+    tool.law.placed = tool.moved.motion.placed || touched.is_remainder() ||
                       (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
     if (tool.moved.grasps || tool.moved.releases) tool.before = tool.moved;
     if (tool.needle) tool.needle->remember();

@@ -220,24 +220,25 @@ const Recording& Simulation::recording() const {
 
 void Simulation::replay(Recording recording) {
   const Snapshot& start = recording.start;
-  const std::vector<Index> removed_before = removed_cells();
-  const BodyCuts cuts_before = cuts();
+  const Snapshot before = parts_->snapshot();
+  const std::vector<SceneTool> asked = scene().tools();
   if (fingerprint(*parts_->topology, start.removed_cells, start.cuts) == recording.topology_hash) {
     parts_->set_body(start.removed_cells, start.cuts);
   }                                                    // else Replay says so
-  std::optional<Input> given;                          // the last state that was given
+  std::optional<Input> given;                          // the last state that was given, of the body as it ends
   std::vector<std::pair<bool, std::uint64_t>> inputs;  // whether tools have done what they were asked, and how often
   for (const Input& input : recording.inputs) {
     const bool steps = input.kind == input_kind::step || input.kind == input_kind::restore ||
                        input.kind == input_kind::to_rest || input.kind == input_kind::to_rest_damped;
     inputs.emplace_back(steps, input.times);
     if (input.kind == input_kind::restore) given = input;
+    if (input.kind == input_kind::cut || input.kind == input_kind::removed) given.reset();
   }
   std::optional<Replay> made;
   try {
     made.emplace(std::move(recording), parts_->solver(), scene());
   } catch (...) {
-    parts_->set_body(removed_before, cuts_before);
+    parts_->take_back(before, asked);
     throw;
   }
   Replay& replay = *made;

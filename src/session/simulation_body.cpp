@@ -121,7 +121,8 @@ void Simulation::Parts::make_cut(BodyCut cut, std::size_t cells, StepReport& rep
   try {
     set_body(topology->removed, all);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::not_supported) throw;
+    // Parts with local steps are of the body as it was made.
+    if (error.code() != ErrorCode::not_supported || options.solver.max_substeps == 1) throw;
     refused_cut = true;
     report.uncut += static_cast<int>(cells);
     return;

@@ -39,6 +39,8 @@ struct Simulation::Parts {
   void follow_history(const StepReport& report);
   /// Gives the scene the tools, joints and target poses of a snapshot, unless it is of another body.
   void bring_back(const Snapshot& snapshot);
+  /// After a state or recording was refused: everything as it was. `asked`: Scene::tools() as they were.
+  void take_back(const Snapshot& before, const std::vector<SceneTool>& asked);
   BodyEdit& body_edit();  ///< made by the first call
   /// `removed`: ascending. Where the solver refuses it, the body stays as it was.
   void set_body(const std::vector<Index>& removed, const BodyCuts& cuts);

@@ -82,6 +82,14 @@ void Simulation::Parts::bring_back(const Snapshot& snapshot) {
   }
 }
 
+void Simulation::Parts::take_back(const Snapshot& before, const std::vector<SceneTool>& asked) {
+  bring_back(before);
+  solver().restore(before);
+  const std::map<std::uint64_t, SeenTool> seen = tools_seen;
+  see_tools();
+  ask_tools_again(asked, seen);
+}
+
 void Simulation::Parts::begin(double dt) {
   solver();
   if (!started || !(dt > 0.0) || !std::isfinite(dt)) return;
@@ -157,11 +165,7 @@ void Simulation::restore(const Snapshot& snapshot) {
     parts_->bring_back(snapshot);
     parts_->solver().restore(snapshot);
   } catch (...) {
-    parts_->bring_back(before);
-    parts_->solver().restore(before);
-    const auto seen = parts_->tools_seen;
-    parts_->see_tools();
-    parts_->ask_tools_again(asked, seen);
+    parts_->take_back(before, asked);
     throw;
   }
   parts_->begin_again(snapshot);

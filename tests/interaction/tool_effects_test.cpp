@@ -135,6 +135,13 @@ TEST(ToolRemainder, IsNoBlow) {
         EXPECT_TRUE(solver->step(100, dt).ok());
       }
     }
+    Scene scene(model);
+    scene.fix("z0").gravity({0, 0, -9.81}).constrain_volume();
+    const auto solver = make_solver(backend, model, scene, {}, damped(150.0));
+    const double dt = 0.4 * solver->stable_step();
+    ASSERT_TRUE(solver->step(400, dt).ok());
+    EXPECT_LT(solver->step(1, 2.3e-14).max_speed, 1e-2) << backend;
+    EXPECT_TRUE(solver->step(100, dt).ok());
   }
 }
 

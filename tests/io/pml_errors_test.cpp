@@ -196,6 +196,11 @@ TEST(PmlErrors, ReferencesToControlCharacters) {
                          "characters of text"))
         << right;
   }
+  for (const char* const mark : {"<!--", "<![CDATA[", "<?"}) {  // a value, whatever it looks like
+    EXPECT_TRUE(
+        refuses([&] { read_pml_text(std::string("<physicalModel nbA='") + mark + "' name='a&#0;b'/>", "t.pml"); },
+                "characters of text"));
+  }
   for (const char* const text : {"<!-- &#0; -->", "<?note &#0; ?>", "<![CDATA[&#0;]]>", "<!-- &#0;", "<"}) {
     EXPECT_FALSE(refuses([&] { read_pml_text(std::string("<physicalModel>") + text + "</physicalModel>", "t.pml"); },
                          "characters of text"))

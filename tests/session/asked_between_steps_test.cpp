@@ -48,6 +48,26 @@ TEST_P(AskedBetweenStepsOn, AStateSaysHowMuchFluidThereIs) {
   EXPECT_EQ(sim.snapshot(), start);
 }
 
+/// Its pressures are below 0, as of what begins anew, which is -0.
+TEST_P(AskedBetweenStepsOn, AGasBelowTheOuterPressureIsRestored) {
+  Simulation sim = held_cube(GetParam());
+  sim.scene().constrain_volume();
+  const VolumeConstraint whole = sim.scene().volume_constraints()[0];
+  Fluid gas;
+  gas.law = FluidLaw::gas;
+  gas.outer_pressure = 1000.0;
+  sim.scene().set_fluid(whole.name, gas).set_volume(whole.name, 0.9 * whole.volume);
+  ASSERT_TRUE(sim.step(20, 1e-4).ok());
+  ASSERT_LT(sim.solver().fluid(whole.name).pressure, 0.0);
+  const Snapshot there = sim.snapshot();
+  ASSERT_TRUE(sim.step(20, 1e-4).ok());
+  const Snapshot later = sim.snapshot();
+  sim.restore(there);
+  EXPECT_EQ(sim.snapshot(), there);
+  ASSERT_TRUE(sim.step(20, 1e-4).ok());
+  EXPECT_EQ(sim.snapshot(), later);
+}
+
 TEST_P(AskedBetweenStepsOn, AVolumeIsTheOneThatWasSet) {
   for (std::size_t kind = 0; kind < before_steps.size(); ++kind) {
     Simulation sim = held_cube(GetParam());

@@ -92,6 +92,27 @@ TEST(InterruptedCalls, ARecordingOfOtherOptionsChangesNothing) {
   EXPECT_NO_THROW((void)sim.recording());
 }
 
+TEST(InterruptedCalls, ARecordingThatIsRefusedLeavesCutsOpen) {
+  const auto made = [](double rate) {
+    Simulation sim(with_spare_particles(make_tetrahedral_block({0.06, 0.04, 0.03}, 3, 2, 2, 0.2, 7), 60),
+                   {.material = soft_tissue(), .backend = "reference", .damping = {.rate = rate}});
+    sim.scene().fix("x0").gravity({3, 0, -9.81});
+    return sim;
+  };
+  Simulation other = made(5.0), sim = made(0.0);
+  other.record();
+  sim.record();
+  ASSERT_TRUE(sim.cut(cut_plane({0.031, 0, 0}, {1, 0.2, 0.1})));
+  ASSERT_TRUE(sim.step(100, 1e-4).ok());
+  const Snapshot before = sim.snapshot();
+  EXPECT_TRUE(refuses([&] { sim.replay(other.recording()); }, "damping.rate 5"));
+  EXPECT_EQ(sim.snapshot(), before);
+  ASSERT_TRUE(sim.step(5, 1e-4).ok());
+  Simulation again = made(0.0);
+  again.replay(sim.recording());
+  EXPECT_EQ(again.snapshot(), sim.snapshot());
+}
+
 /// A pose that was set begins a line of its own.
 TEST(InterruptedCalls, AReplayEndsWithTheVelocitiesThatWereSet) {
   Simulation sim = swaying(), other = swaying();
@@ -102,6 +123,13 @@ TEST(InterruptedCalls, AReplayEndsWithTheVelocitiesThatWereSet) {
   sim.set_state(state);
   other.replay(sim.recording());
   EXPECT_EQ(other.state().velocity, sim.state().velocity);
+  for (Simulation* const one : {&sim, &other}) ASSERT_TRUE(one->step(3, 0.5e-4).ok());
+  EXPECT_EQ(other.solver().read(), sim.solver().read());
+
+  sim.set_state(state);
+  sim.remove_cells(std::vector<Index>{0});
+  other.replay(sim.recording());
+  EXPECT_EQ(other.snapshot(), sim.snapshot());
   for (Simulation* const one : {&sim, &other}) ASSERT_TRUE(one->step(3, 0.5e-4).ok());
   EXPECT_EQ(other.solver().read(), sim.solver().read());
 }

@@ -295,6 +295,15 @@ TEST(Plan, GoesOnWithABackendThatTakesTheScene) {
     ASSERT_FALSE(made.trials.empty());
     EXPECT_EQ(made.trials.front().candidate.backend, "cpu");
     EXPECT_GT(made.trials.front().particles, 0);
+
+    int built = 0;
+    options.backends = {"reference", "reference"};
+    const auto refuse = [&](const PlanCandidate&) -> Simulation {
+      ++built;
+      throw Error(ErrorCode::not_supported, "the scene has a tool");
+    };
+    EXPECT_TRUE(refuses([&] { plan(refuse, options); }, "the scene has a tool"));
+    EXPECT_LT(built, 50);
   }
 }
 

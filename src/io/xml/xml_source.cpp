@@ -116,13 +116,29 @@ void XmlSource::parse(bool instructions) {
   if (roots == 0) fail_format(name_, 1, "expected an XML document, got no element");
 }
 
-/// References to characters that XML does not have: 0 would end a name, and write_pml refuses the others.
+/// References to characters that XML does not have: 0 would end a name, and write_pml refuses the others. What looks
+/// like one in a comment, CDATA or an instruction is none; what looks like the beginning of these in a value is none,
+/// either.
 void XmlSource::refuse_control_characters() const {
+  if (text_.find("&#") == std::string::npos) return;
   using Marks = std::pair<std::string_view, std::string_view>;
-  for (std::size_t at = text_.find_first_of("<&"); at != std::string::npos; at = text_.find_first_of("<&", at + 1)) {
-    for (const auto& [begin, end] : {Marks{"<!--", "-->"}, Marks{"<![CDATA[", "]]>"}, Marks{"<?", "?>"}}) {
-      if (text_.compare(at, begin.size(), begin) == 0)
+  bool in_tag = false;
+  char quote = 0;
+  for (std::size_t at = 0; at < text_.size(); ++at) {
+    const char c = text_[at];
+    if (c == '<' && !in_tag) {
+      in_tag = true;
+      for (const auto& [begin, end] : {Marks{"<!--", "-->"}, Marks{"<![CDATA[", "]]>"}, Marks{"<?", "?>"}}) {
+        if (text_.compare(at, begin.size(), begin) != 0) continue;
         at = std::min(text_.find(end, at + begin.size()), text_.size() - 1);
+        in_tag = false;
+        break;
+      }
+    } else if (in_tag && quote == 0) {
+      if (c == '"' || c == '\'') quote = c;
+      if (c == '>') in_tag = false;
+    } else if (c == quote) {
+      quote = 0;
     }
     if (text_.compare(at, 2, "&#") != 0) continue;
     const bool hexadecimal = text_.compare(at + 2, 1, "x") == 0;

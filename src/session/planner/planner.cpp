@@ -45,9 +45,13 @@ Planner::Planner(SceneBuilder builder, PlanOptions options, double guess)
 
 bool Planner::goes_to_next_backend(const std::exception& error) {
   const auto* const own = dynamic_cast<const Error*>(&error);
-  const auto next = std::ranges::find(plan_.options.backends, first_.backend) + 1;
+  const std::vector<std::string>& backends = plan_.options.backends;
   if (own == nullptr || own->code() != ErrorCode::not_supported || !levels_.empty()) return false;
-  if (next == plan_.options.backends.end()) return false;
+  const auto tried = std::ranges::find(backends, first_.backend);
+  const auto next = std::find_if(tried, backends.end(), [&](const std::string& name) {
+    return std::find(backends.begin(), tried + 1, name) == tried + 1;
+  });
+  if (next == backends.end()) return false;
   first_.backend = *next;
   return true;
 }
