@@ -161,6 +161,22 @@ TEST_P(NeedleIn, FeelsNothingWhereTheTissueWasRemoved) {
   EXPECT_EQ(state(), NeedleState{});
 }
 
+/// Where no step has work for the host.
+TEST_P(NeedleIn, IsTakenAgainFarFromTheBody) {
+  Simulation sim(Insertion::gel(6), {.backend = GetParam(), .damping = {.rate = 40.0}});
+  sim.scene().fix("x0");
+  ToolPose pose{.position = {0.02, 0.02, block_side + 0.2}};
+  const ToolHandle needle = sim.scene().add_tool("needle", {.shape = thin_needle(), .pose = pose});
+  ASSERT_TRUE(sim.step(5, 1e-4).ok());
+  needle.release();
+  ASSERT_TRUE(sim.step(5, 1e-4).ok());
+  EXPECT_TRUE(sim.solver().read().tools[0].needle.free);
+  pose.position.z() -= 0.01;
+  needle.move_to(pose);
+  ASSERT_TRUE(sim.step(20, 1e-4).ok());
+  EXPECT_FALSE(sim.solver().read().tools[0].needle.free);
+}
+
 TEST(NeedleShaft, BehindTheBodyTheTipIsFree) {
   Insertion needle("cpu", 5, 0.5);
   needle.go(block_side + 0.02, 0.2, 40);
