@@ -33,7 +33,7 @@ struct FluidState {
   std::string name;       ///< VolumeConstraint::name
   double volume = 0.0;    ///< m^3, that it has without pressure; changes where there is an opening
   double pressure = 0.0;  ///< Pa
-  /// Pa, of a gas or a curve: at the start of the step, for which the next one needs it.
+  /// Pa, of a gas or a curve: at the start of the step, for which the next one needs it. -0: the next one is its first.
   double pressure_before = 0.0;
   bool operator==(const FluidState&) const = default;
 };

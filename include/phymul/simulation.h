@@ -96,7 +96,7 @@ class Simulation {
   /// asked for before (surface_triangles) do not follow. restore() and rewind() bring cells back. Looks at the whole
   /// body once, at the first call. Throws Error, and removes nothing, for a row out of range or of a cell without
   /// material, if nothing of the body would be left, and (not_supported) for a body without cells or material, where
-  /// parts are computed in substeps (Solver::substeps), and for backends that are not phymul's.
+  /// parts have local steps (SolverOptions::max_substeps above 1), and for backends that are not phymul's.
   void remove_cells(std::span<const Index> cells);
   const std::vector<Index>& removed_cells() const;  ///< ascending
 

@@ -33,9 +33,8 @@ struct State {
   /// Of the scene's threads, by name. Solver::reset() ignores names that the scene does not have. A thread without an
   /// entry starts as it was added.
   std::vector<ThreadState> threads{};
-  /// Of the scene's volume constraints, by name, that have acted in a step since their volume was set; not of the
-  /// backends gl and gl-compute. Solver::reset() ignores names that the scene does not have. A fluid without an entry
-  /// is as much as VolumeConstraint::volume.
+  /// Of the scene's volume constraints, by name; not of the backends gl and gl-compute. Solver::reset() ignores names
+  /// that the scene does not have. A fluid without an entry is as much as VolumeConstraint::volume.
   std::vector<FluidState> fluids{};
 
   bool operator==(const State&) const = default;
