@@ -29,7 +29,6 @@ endfunction()
 
 # Tests are compiled once and run once: less optimised they build in half the time, and the library they call is fast.
 function(phymul_optimise_test target)
-  set_target_properties(${target} PROPERTIES PHYMUL_TEST ON)  # Sanitizers.cmake asks for it
   if(CMAKE_BUILD_TYPE STREQUAL "Release")
     target_compile_options(${target} PRIVATE -O1)
   endif()

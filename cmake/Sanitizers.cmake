@@ -9,8 +9,7 @@ if(PHYMUL_SANITIZE)
   # -O1: Eigen's layers of small functions are unbearably slow with instrumentation and without inlining. -g1: lines for
   # the stack traces of a finding, without the variables, which are most of the build's time and size.
   target_compile_options(phymul_sanitizers INTERFACE -fsanitize=${PHYMUL_SANITIZE} -fno-sanitize-recover=all
-                                                     -fno-omit-frame-pointer -g1
-                                                     -O$<NOT:$<BOOL:$<TARGET_PROPERTY:PHYMUL_TEST>>>)
+                                                     -fno-omit-frame-pointer -g1 -O1)
   if(PHYMUL_SANITIZE MATCHES "undefined")
     # Checked at every access through Eigen, these are two thirds of the program. Of them the address sanitizer sees
     # null pointers and accesses beyond an object; a wrong alignment ends a vector kernel by itself.
