@@ -66,7 +66,8 @@ void change_fields(Bytes& bytes, Change& change) {
 
 void put_volumes(ByteWriter& out, const Scene& scene, std::span<const VolumeConstraint> before) {
   std::vector<VolumeChange> all;
-  // Known ones keep their order. A new one stands behind them, also one that was removed and put in again.
+  // A replay keeps the order of the volumes that it has, and appends new ones: so does this list. A volume that was
+  // removed and constrained again counts as new.
   auto first = before.begin();
   for (const VolumeConstraint& kept : scene.volume_constraints()) {
     const auto known = std::find_if(first, before.end(), [&](const auto& other) { return other.name == kept.name; });
