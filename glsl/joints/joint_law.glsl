@@ -88,8 +88,12 @@ void joint_row(int s) {
   if (ends.w != 0) stretch = length_now - lengths.x;
 #endif
   bool broken = fetch_load_layer(joint_state, joint_state_place, s, 0).w > 0.0;
+  bool pulls = !broken;
+#ifdef JOINT_TOOLS
+  if (ends.w != 0 && joint_tool_row(abs(ends.w) - 1, 3).w < 0.0) pulls = false;
+#endif
   vec3 f = vec3(0.0);
-  if (!broken) f = joint_pull(r, v, length_now, stretch, law.x, law.y, lengths.x == 0.0, law.w > 0.0);
+  if (pulls) f = joint_pull(r, v, length_now, stretch, law.x, law.y, lengths.x == 0.0, law.w > 0.0);
   bool breaks = inner_product(f, f) > law.z * law.z;
   joint_force = vec4(f, broken || breaks ? 1.0 : 0.0);
   vec3 torque = vec3(0.0);

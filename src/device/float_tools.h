@@ -47,7 +47,11 @@ class FloatTools {
   // Of a row of Scene::tools().
   const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
   void set_moved(std::size_t row, const MovedTool& moved);
-  void set_motion(std::size_t row, const ToolMotion& motion) { tools_[row].moved.motion = motion; }
+  /// `let_go`: a needle that nothing pulls.
+  void set_motion(std::size_t row, const ToolMotion& motion, bool let_go) {
+    tools_[row].moved.motion = motion;
+    tools_[row].let_go = let_go;
+  }
 
   /// A call begins. True where what is held changes: hold() is then to be called before its first step.
   bool begin_call(const Scene& scene, int steps, bool at_once);
@@ -57,8 +61,9 @@ class FloatTools {
   /// No step was done since hold(): what it changed is to be done in the next call. False: it changed nothing.
   bool undo_hold();
 
-  /// Fills frames() for steps from here on. How many of them leave all poses finite.
-  int begin_batch(int steps, double dt);
+  /// Fills frames() for steps from here on. How many of them leave all poses finite. `last_dt`: s, of the step before
+  /// the first; 0: there was none.
+  int begin_batch(int steps, double dt, double last_dt = 0.0);
   /// So many steps of the batch count; `sums` are of those. By tool, what joints did in the last one and summed.
   void accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
               std::span<const JointSet::Pull> pull_sums);
@@ -82,6 +87,7 @@ class FloatTools {
   struct Moving {
     MovedTool moved;
     Tool tool;
+    bool let_go = false;
   };
   void fill_laws();
   void fill_rest(const VecList& rest);

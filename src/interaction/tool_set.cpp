@@ -235,8 +235,7 @@ void ToolSet::ways(double dt, std::vector<ToolWay>& ways) const {
     ToolMotion motion = tool.moved.motion;
     motion.advance(dt);
     // A tool that is where it has to be in one step passed nothing on its way, and dampers feel no speed.
-    const bool is_free = tool.needle && ((tool.needle->state().free && !tool.is_taken) || tool.moved.releases);
-    ways.push_back({at_once_ ? motion.next_pose : motion.pose, motion.next_pose, is_free});
+    ways.push_back({at_once_ ? motion.next_pose : motion.pose, motion.next_pose, tool.is_let_go()});
   }
 }
 

@@ -52,6 +52,7 @@ class ToolSet {
   const MovedTool* find(std::uint64_t id) const;  ///< null where follow() has not seen it
   // Of a row of Scene::tools().
   const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
+  bool is_let_go(std::size_t row) const { return tools_[row].is_let_go(); }  ///< a needle, in the next step
   // Goes on with tools that were moved elsewhere, by a solver that was reset there, or not yet.
   void set_moved(std::size_t row, const MovedTool& moved) { tools_[row].moved = moved; }
   void set_was_reset(bool was_reset) { was_reset_ = was_reset; }
@@ -77,6 +78,7 @@ class ToolSet {
     std::optional<MovedTool> before{};      // where it takes hold or lets go in the step in question
     JointSet::Pull pull{};                  // of joints, in the step in question
     ToolForce next_force{};                 // likewise, of what it touches
+    bool is_let_go() const { return needle && ((needle->state().free && !is_taken) || moved.releases); }
   };
 
   void follow_body(const Scene& scene);

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "interaction/predicted_step.h"
+
 namespace phymul::gl {
 namespace {
 
@@ -335,6 +337,7 @@ void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measu
   prepare(now_->along, state, batch_step);
   scene_->volumes->follow_gradient(now_->along);
   scene_->volumes->sum(now_->facets, now_->sums);
+  now_->roots.set("kept_remainder", batch_step == 1 && is_remainder(dt_, last_dt_) ? 1 : 0);
   scene_->volumes->find_roots(now_->roots, batch_step);
   scene_->volumes->bind_roots(now_->end);
   prepare(now_->end, state, batch_step);

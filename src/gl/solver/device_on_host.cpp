@@ -50,7 +50,9 @@ int DeviceSolver::steps_out_of_reach(const StepPlan& plan, int remaining) {
 /// Joints look at where tools are.
 void DeviceSolver::begin_tools_on_host(int steps, double dt) {
   if (joints().empty() || tools_.empty()) return;
-  for (std::size_t row = 0; row < host_->tools.count(); ++row) tools_.set_motion(row, host_->tools.moved(row).motion);
+  for (std::size_t row = 0; row < host_->tools.count(); ++row) {
+    tools_.set_motion(row, host_->tools.moved(row).motion, host_->tools.is_let_go(row));
+  }
   tools_.begin_batch(steps, dt);
 }
 

@@ -51,10 +51,22 @@ DeviceSolver::~DeviceSolver() {
 /// draws a step: contacts. And not tabled there: which volumes an edit of the body has opened, and faces of cuts that
 /// touch.
 bool DeviceSolver::acts_on_host() const {
-  return (scene().contacts() && (backend_ == GlBackend::fragment || has_cuts(model()))) || scene().any_volume_open() ||
+  return holds_what_is_pushed() ||
+         (scene().contacts() && (backend_ == GlBackend::fragment || has_cuts(model()))) || scene().any_volume_open() ||
          !scene().threads().empty() || std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
            return own.tool.contact == ToolContact::surface || !beyond_pressing(own.tool).empty();
          });
+}
+
+/// Nor does a tool feel there what contacts and volumes do to what it holds, or is about to.
+bool DeviceSolver::holds_what_is_pushed() const {
+  if (!scene().contacts() && scene().volume_constraints().empty()) return false;
+  for (std::size_t row = 0; row < scene().tools().size(); ++row) {
+    const SceneTool& own = scene().tools()[row];
+    const ToolReport& now = do_tool_report(row);
+    if (now.held > 0 || (own.grasping && own.grasps != now.grasps)) return true;
+  }
+  return false;
 }
 
 /// After tools_, from which tools come here as they are.
@@ -78,6 +90,7 @@ void DeviceSolver::build() {
   FloatTables tables = pack_floats(topology(), layout_);
   loads_version_ = scene().version();
   tools_.follow(scene());
+  holds_pushed_ = holds_what_is_pushed();
   const ContextInfo& info = context_->info();
   require_turns(info, tables.turns);
   const ShaderLibrary library(gl_.shader_folder, info.es, !info.es || info.at_least(3, 2));
@@ -186,7 +199,8 @@ void DeviceSolver::do_reset(const State& state) {
 
 /// Takes the scene's loads and tools to the device, where they have changed; all of it or nothing.
 void DeviceSolver::follow() {
-  if (loads_version_ == scene().version()) return;
+  const bool holds = holds_what_is_pushed();
+  if (loads_version_ == scene().version() && holds_pushed_ == holds) return;
   FloatTools tools = tools_;
   tools.follow(scene());
   const bool on_host = acts_on_host();
@@ -198,6 +212,7 @@ void DeviceSolver::follow() {
   follow_on_host();
   joints_told_ = false;
   loads_version_ = scene().version();
+  holds_pushed_ = holds;
   seconds_a_step_ = 0.0;
 }
 

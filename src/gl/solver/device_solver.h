@@ -68,6 +68,7 @@ class DeviceSolver final : public SolverBackend {
   template <class Function>
   auto on_device(Function&& function) const;
   bool acts_on_host() const;
+  bool holds_what_is_pushed() const;
   void follow_on_host();
   void follow();
   void read_tools(State& state) const { host_ ? host_->tools.read(scene(), state) : tools_.read(scene(), state); }
@@ -118,6 +119,7 @@ class DeviceSolver final : public SolverBackend {
   std::shared_ptr<Context> context_;
   std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
+  bool holds_pushed_ = false;  // holds_what_is_pushed(), as the device knows it
   mutable FloatTools tools_{Device::most_steps};
   struct OnHost {
     explicit OnHost(const Model& model) : step(model) {}
