@@ -44,7 +44,6 @@ void free_row(int i) {
   force_sum = vec4(force_sum.xyz + inverse_dt * touched.impulse, force_sum.w);
   v = touched.v;
   shift_before = vec4(touched.shift, inverse_mass);
-  if (held.w >= 0.0) axes = 7;  // nothing else pushes it
 #endif
   velocity_before = vec4(v, float(axes));
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Per particle, which way it goes to bring its volume back: the gradient of the volume at the step's start over the
-// mass, in coordinates that nothing holds. Needs net_force.glsl, kept_facet.glsl and, where TOOLS or HELD is
-// defined, tool_tables.glsl.
+// mass, in coordinates that nothing holds. No tool holds anything here: then volumes are kept on the host. Needs
+// net_force.glsl and kept_facet.glsl.
 
 RESULT(0, vec4, kept_direction);
 
@@ -10,9 +10,6 @@ void along_row(int i) {
   kept_direction = vec4(0.0);
   ivec4 around = fetch_load_ivec4(kept_ranges, kept_ranges_place, i);
   if (around.z < 0) return;
-#if defined(TOOLS) || defined(HELD)
-  if (fetch_load_vec4(tool_held, tool_held_place, i).w >= 0.0) return;
-#endif
   vec4 law = kept_law(around.z, 0);
   vec3 area = vec3(0.0);
   for (int row = around.x; row < around.y; ++row) {

@@ -227,6 +227,23 @@ TEST_P(GlHostStep, WithheldForcesAreBorne) {
   EXPECT_TRUE(clamped) << "or this shows nothing";
 }
 
+TEST_P(GlHostStep, NothingPullsANeedleThatWasLetGo) {
+  Scene scene = Scene(model_).fix("z0");
+  const ToolPose beside{.position = {0.0251, 0.0049, 0.0306}};
+  scene.add_tool("needle", {.shape = thin_needle(), .pose = beside});
+  scene.add_joint("thread", {.springs = {{at_mean(model_.group("z1")), at_tool("needle"), 0.0}}, .stiffness = 2.0});
+  BesideReference pair(model_, scene, damped(40.0), GetParam());
+  for (int k = 0; k < 3; ++k) {
+    if (k == 1) scene.tool("needle").release();
+    if (k == 2) scene.tool("needle").move_to(beside);
+    EXPECT_LE(pair.off_after(10), 2e-5) << k;
+    const double pull = pair.device->joint_report("thread").force.norm();
+    EXPECT_NEAR(pull, pair.reference->joint_report("thread").force.norm(), 1e-6) << k;
+    EXPECT_EQ(pull == 0.0, k == 1);
+    EXPECT_EQ(pair.device->tool_force("needle").force.norm() == 0.0, k == 1);
+  }
+}
+
 /// A jaw keeps what it holds when a needle comes, so that both act on the host, and when the needle goes.
 TEST_P(GlHostStep, AToolGoesOnWhereItActsElsewhere) {
   Scene scene = Scene(model_).fix("z0");

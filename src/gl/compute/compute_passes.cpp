@@ -121,11 +121,6 @@ Kernel ComputePasses::stepping(const StepKind& step, const ComputeState& state) 
   if (step.on_host) append(request, {"step/host_pushes.glsl"});
   if (step.tools && !step.pushes()) add_tools(step, request);
   append(request, {"report/measure_step.glsl"});
-  if (step.volumes && step.tools && step.pushes()) {  // what tools hold, volumes leave
-    append(request, {"tools/tool_tables.glsl"});
-    define_tool_rows(request);
-    define(request, "HELD");
-  }
   define(request, "KEPT_VOLUMES", step.volumes);
   if (step.volumes) {
     append(request, {"volume/kept_tables.glsl", "volume/kept_facet.glsl", "volume/kept_along_pass.glsl"});

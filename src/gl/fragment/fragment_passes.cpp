@@ -227,7 +227,6 @@ void FragmentPasses::bind_open() {
 
 void FragmentPasses::bind_volumes() {
   for (Pass* const pass : {&now_->along, &now_->end}) scene_->loads.bind(*pass);
-  if (now_->kind.tools) scene_->tools->bind(now_->along);
   for (Pass* const pass : {&now_->along, &now_->facets, &now_->sums, &now_->roots, &now_->end})
     scene_->volumes->bind(*pass);
 }

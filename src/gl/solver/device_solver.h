@@ -119,7 +119,6 @@ class DeviceSolver final : public SolverBackend {
   std::shared_ptr<Context> context_;
   std::unique_ptr<Device> device_;
   std::uint64_t loads_version_ = 0;
-  bool holds_pushed_ = false;  // holds_what_is_pushed(), as the device knows it
   mutable FloatTools tools_{Device::most_steps};
   struct OnHost {
     explicit OnHost(const Model& model) : step(model) {}
@@ -135,6 +134,7 @@ class DeviceSolver final : public SolverBackend {
   std::optional<FloatDissipation> dissipation_;
   double dissipation_dt_ = 0.0;             // s, that the device has the constants of; 0: none
   bool joints_told_ = false;                // the device knows which springs are broken
+  bool holds_pushed_ = false;               // holds_what_is_pushed(), when it was last given the scene
   std::vector<JointSet::Pull> joint_sums_;  // [tools] of the last batch; kept, so that no step allocates
   mutable State kept_;                      // the newest state the host has
   struct Progress {
