@@ -58,7 +58,7 @@ class Scene;
 
 /// Moves a tool of a scene. It is small and copyable. Functions throw Error after the tool was removed from the scene,
 /// and for a pose that is not finite. The scene must outlive its handles; the library cannot detect violations. The
-/// scene's rules for threads apply, because calls change it. Only grasp() makes a solver allocate.
+/// scene's rules for threads apply, because calls change it. Only grasp() and release() make a solver allocate.
 class ToolHandle {
  public:
   /// Target pose at the end of the solver's next step(). During that call the tool moves there from its present pose in
