@@ -12,7 +12,7 @@ uniform float facing_share;  // of the longest edge: by how much what faces a pa
 struct Seen {
   int triangle;
   bool inside;
-  float far, rank;  // m; of a body's the one of least rank is met
+  float far, facing;  // m; of a body's the one of least difference is met
   vec3 share, way;  // of the corners in the nearest point; off the triangle, unit
 };
 
@@ -54,13 +54,15 @@ bool look_from(int t, ivec4 corners, int k, ivec4 own, float reach, out Seen see
   } else {
     return false;
   }
-  seen = Seen(t, inside, far, far - facing_share * longest_edge * abs(across), share, way);
+  seen = Seen(t, inside, far, facing_share * longest_edge * abs(across), share, way);
   return true;
 }
 
-// Than the one known so far, of the same body.
-bool comes_before(Seen seen, int triangle, float rank) {
-  return seen.rank < rank || (seen.rank == rank && seen.triangle < triangle);
+// Than the one known so far, of the same body. What faces a particle says less than floats of distances round: those of
+// triangles that share the nearest corner are equal, and cancel.
+bool comes_before(Seen seen, int triangle, float far, float facing) {
+  float behind = (seen.far - far) - (seen.facing - facing);
+  return behind < 0.0 || (behind == 0.0 && seen.triangle < triangle);
 }
 
 // Between the skins at the step's start, m. False where they do not meet within the step.

@@ -13,15 +13,15 @@ ivec4 own;
 float reach;
 
 // While searching a meeting's rows are: none or its particle, corners; shares, distance; way off the triangle (unit),
-// rank; triangle, inside.
+// how it faces the particle; triangle, inside.
 
 void keep_nearer(int k, ivec4 corners, Seen seen) {
   int at = own_row + 4 * (corners.w >> 1);
   bool known = load_rows[at].x >= 0;
-  if (known && !comes_before(seen, load_rows[at + 3].x, float_row(at + 2).w)) return;
+  if (known && !comes_before(seen, load_rows[at + 3].x, float_row(at + 1).w, float_row(at + 2).w)) return;
   load_rows[at] = ivec4(k, corners.xyz);
   store_row(at + 1, vec4(seen.share, seen.far));
-  store_row(at + 2, vec4(seen.way, seen.rank));
+  store_row(at + 2, vec4(seen.way, seen.facing));
   load_rows[at + 3] = ivec4(seen.triangle, seen.inside ? 1 : 0, 0, 0);
 }
 

@@ -214,6 +214,28 @@ TEST_P(GlBodyContact, InsideIsAsDeepAsTheLongerEdgeOfTheTwo) {
   }
 }
 
+/// A particle is nearest to a corner, which floats place to 1e-10 m. By that much two triangles there rank alike, of
+/// other edges and so of other margins: the one that faces the particle more is met.
+TEST_P(GlBodyContact, OfTrianglesAtACornerTheOneThatFacesMoreIsMet) {
+  const Model low = make_tetrahedral_block({0.025, 0.025, 0.01}, 4, 4, 2, 0.2, 7);
+  const Model high = moved(make_tetrahedral_block({0.01, 0.01, 0.01}, 2, 2, 2, 0.2, 3), {0.0072, 0.0081, 0.0104});
+  const Model model = joined_bodies(with_material(low), with_material(high));
+  Scene scene = Scene(model).contacts({.friction = 0.3});
+  const BesideReference pair(model, scene, damped(5.0), GetParam());
+  State state = rest_state(model);
+  const Vec3 corner = model.rest[model.group("high").front()];
+  const Quaternion turn(Eigen::AngleAxisd(0.085448, Vec3::UnitZ()) * Eigen::AngleAxisd(-0.055189, Vec3::UnitX()));
+  for (const Index i : model.group("high")) {
+    state.position[i] = corner + turn * (model.rest[i] - corner) + Vec3(0.000626, 0.000798, 0.0006);
+  }
+  pair.device->reset(state);
+  pair.reference->reset(state);
+  ASSERT_TRUE(all_step(1, pair.dt, pair.device, pair.reference));
+  const State a = pair.device->read(), b = pair.reference->read();
+  EXPECT_GT(largest_distance(b.position, state.position), 1e-5) << "they overlap, and part";
+  EXPECT_LE(largest_distance(a.position, b.position), 1e-8);
+}
+
 /// What a tool holds no contact moves: it presses the slab. What another tool pushes rubs on it.
 TEST_P(GlBodyContact, ToolsAndContactsActInOneStep) {
   const Model model = stacked(0.0012);
