@@ -213,7 +213,16 @@ void ToolSet::press(Moving& tool, TouchedParticles& touched) {
   const double dt = touched.dt();
   if (tool.surface) tool.surface->act(tool.shape, tool.law, start, end, touched, tool.next_force);
   found_.clear();
-  touched.step().find(swept_bounds(tool.shape, tool.bounds, start, end, 0.0), found_);
+  const Region swept = swept_bounds(tool.shape, tool.bounds, start, end, 0.0);
+  touched.step().find(swept, found_);
+  // And what the impulses so far drive there, which would not go there by itself.
+  for (std::size_t slot = 0; slot < touched.count(); ++slot) {
+    const TouchedParticles::Touched& driven = touched[slot];
+    const Vec3 alone = driven.velocity - driven.inverse_mass * driven.impulse;
+    if (swept.meets(driven.position, driven.position + dt * alone)) continue;
+    if (!swept.meets(driven.position, driven.end(dt)) || std::ranges::count(found_, driven.particle) > 0) continue;
+    found_.push_back(driven.particle);
+  }
   for (const Index i : found_) {
     if (tool.surface && tool.surface->has(i)) continue;
     TouchedParticles::Touched& particle = touched[touched.slot(i)];

@@ -44,6 +44,24 @@ TEST_P(Suction, IsSharedByMassAndDistance) {
   EXPECT_EQ(solver->tool_force("tube").particles, 0) << "pressed or held";
 }
 
+/// Not even in the step in which it alone makes it touch.
+TEST_P(Suction, DrawsNothingIntoTheTool) {
+  const Model model = soft_block({cube_side, cube_side, cube_side}, 4, 4, 4);
+  Scene scene = Scene(model).fix("z0");
+  scene.add_tool("cup", {.shape = Box{{0.02, 0.02, 0.002}},
+                         .pose = {.position = {0.01, 0.01, cube_side + 0.0023}},
+                         .suction = 0.1,
+                         .suction_reach = 0.002});
+  const auto solver = make(model, scene, {.damping = {.rate = 20.0}});
+  const double dt = 0.3 * solver->stable_step();
+  for (int step = 0; step < 60; ++step) {
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    const State state = solver->read();
+    for (const Index i : model.group("z1")) ASSERT_LE(state.position[i].z(), cube_side + 0.0003 + 1e-8) << step;
+  }
+  EXPECT_EQ(solver->tool_force("cup").particles, 25);
+}
+
 /// It draws the tissue to the tool, holds it there while the tool goes away, and lets go above its force.
 TEST_P(Suction, LiftsTissueUpToItsForce) {
   const Model model = soft_block({cube_side, cube_side, cube_side}, 6, 6, 6);
