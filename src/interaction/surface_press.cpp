@@ -226,11 +226,12 @@ Depth<double> SurfacePress::depth_in(const ShapeIn<double>& shape, const Pressed
   return point.box ? depth_below(*point.box, to) : depth_of(shape, point.from, to, to - point.from);
 }
 
-/// Particles take nothing before hand_over(). Whether there is something for them.
-bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt) {
-  if (!(point.inverse_mass > 0.0)) return false;
+/// Particles take nothing before hand_over(). m, how deep the point was; 0: there is nothing for them.
+double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point,
+                           double dt) {
+  if (!(point.inverse_mass > 0.0)) return 0.0;
   const Depth<double> in = depth_in(shape, point);
-  if (!(in.depth > 0.0)) return false;
+  if (!(in.depth > 0.0)) return 0.0;
   ContactLaw<double> own_law = law;
   own_law.friction = 0.0;             // rub(): so the point's way does not count
   own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
@@ -240,7 +241,7 @@ bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>&
     corner.impulse += point.share[c] * packed(touch.impulse);
     corner.shift += point.share[c] / point.inverse_mass * packed(touch.shift);
   }
-  return true;
+  return in.depth;
 }
 
 /// An impulse and a shift, in the tool's frame, to a particle that can take it.
@@ -284,15 +285,17 @@ void SurfacePress::rub(double friction, const ToolFrame& end, TouchedParticles& 
   }
 }
 
-void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
-                       const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
+/// m: how deep the points were that touch.
+double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
+                               const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
   const double dt = touched.dt();
-  if (!knows_near(shape, start, end, touched)) find_near(shape, start, end, touched);
   find_pressed(shape, start, end, touched);
+  double deepest = 0.0;
   for (int round = 0; round < rounds_of_surface(law.placed, shape.kind); ++round) {
-    bool any = false;
-    for (const Pressed& point : pressed_) any |= press(shape, law, point, dt);
-    if (!any) break;
+    double deep = 0.0;
+    for (const Pressed& point : pressed_) deep = std::max(deep, press(shape, law, point, dt));
+    if (deep == 0.0) break;
+    deepest = std::max(deepest, deep);
     hand_over(end, touched);
     if (law.friction > 0.0) rub(law.friction, end, touched);
   }
@@ -301,6 +304,17 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
     if (corner.given == Vec3::Zero()) continue;
     TouchedParticles::Touched& particle = touched[corner.slot];
     react(force, end, particle.position, corner.given + dt * TouchedParticles::borne(particle, corner.given), dt);
+  }
+  return deepest;
+}
+
+void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
+                       const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
+  if (!knows_near(shape, start, end, touched)) find_near(shape, start, end, touched);
+  const double first = press_all(shape, law, start, end, touched, force);
+  if (!law.placed || !lets_surface_out(touched.dt(), touched.last_dt())) return;
+  const double may_stay = first * std::pow(touched.dt() / touched.last_dt(), 2);
+  for (int again = 0; again < most_again && press_all(shape, law, start, end, touched, force) > may_stay; ++again) {
   }
 }
 

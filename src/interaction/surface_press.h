@@ -40,11 +40,14 @@
 
 namespace phymul {
 
-/// Whether a step is much shorter than the last one. The rounds of a long step leave points inside by more than those
-/// of a short one, which would push them out with a blow; as if the tool had been put over them they come out without.
+/// Whether a step is much shorter than the last one. What a step leaves inside goes with the square of its length. The
+/// short steps that follow would push out what is deeper with a blow. As if the tool had been put over it, it comes out
+/// without one, in rounds that look anew for what touches, until no more is left than a short step leaves.
 constexpr bool lets_surface_out(double dt, double last_dt) {
   return dt < 0.7 * last_dt;
 }
+
+constexpr int most_again = 50;  ///< times that they look anew
 
 /// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
 /// with speed. At a box few points act, which leave more in a round.
@@ -116,7 +119,9 @@ class SurfacePress {
   Depth<double> depth_in(const ShapeIn<double>& shape, const Pressed& point) const;
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);
-  bool press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
+  double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
+  double press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
+                   const ToolFrame& end, TouchedParticles& touched, ToolForce& force);
   void hand_over(const ToolFrame& end, TouchedParticles& touched);
   void rub(double friction, const ToolFrame& end, TouchedParticles& touched);
   static void give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,

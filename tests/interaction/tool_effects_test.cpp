@@ -145,6 +145,32 @@ TEST(ToolRemainder, IsNoBlow) {
   }
 }
 
+/// Of ToolContact::surface: what a step leaves inside is more than what the short ones after it leave.
+TEST(ToolRemainder, ShortStepsThatFollowPressNoHarder) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 3, 3, 3);
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene(model);
+    ToolPose pose{.position = {0.0103, 0.0098, 0.0235}};
+    const ToolHandle box = scene.fix("z0").add_tool(
+        "box", {.shape = Box{{0.006, 0.006, 0.002}}, .pose = pose, .contact = ToolContact::surface});
+    const auto solver = make_solver(backend, model, scene, {}, damped(150.0));
+    const double dt = 0.4 * solver->stable_step();
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    pose.position.z() -= 2.2e-3;
+    box.move_to(pose);
+    for (int k = 0; k < 5; ++k) ASSERT_TRUE(solver->step(100, dt).ok());
+    const double rest = solver->tool_force("box").force.z();
+    ASSERT_GT(rest, 0.1);
+    for (const double share : {0.3, 2e-3}) {
+      for (int k = 0; k < 5; ++k) {
+        ASSERT_TRUE(solver->step(1, share * dt).ok());
+        EXPECT_LT(solver->tool_force("box").force.z(), 1.5 * rest) << backend << ' ' << share << ' ' << k;
+      }
+      ASSERT_TRUE(solver->step(100, dt).ok());
+    }
+  }
+}
+
 // Friction of tools with ToolContact::surface: what sticks does not creep, what slides does so at Coulomb's limit.
 
 /// Two plates that close on a body from above and below, and then go along x.
