@@ -14,9 +14,18 @@ constexpr double room_in_edges = 1.0;
 /// Below it, of the thickness, squared, depth_after() looks at the end alone.
 constexpr double short_way = 0.2499;
 
+/// Whether a straight way stays beyond one face of a box.
+bool passes_beside(const ShapeIn<double>& box, const Vector3<double>& from, const Vector3<double>& to) {
+  const auto beyond = [&box](double a, double b, double half) {
+    return std::min(a, b) > half + box.margin || std::max(a, b) < -half - box.margin;
+  };
+  return beyond(from.x, to.x, box.size.x) || beyond(from.y, to.y, box.size.y) || beyond(from.z, to.z, box.size.z);
+}
+
 /// As depth_after(): most ways are too short to pass through the tool.
 Depth<double> depth_of(const ShapeIn<double>& shape, const Vector3<double>& from, const Vector3<double>& to,
                        const Vector3<double>& way) {
+  if (shape.kind == ShapeKind::box && passes_beside(shape, from, to)) return {};
   if (inner_product(way, way) > short_way * shape.thickness * shape.thickness) return depth_after(shape, from, to, way);
   const Distance<double> end = distance_to(shape, to);
   return {-end.phi, end.normal};
@@ -230,6 +239,7 @@ Depth<double> SurfacePress::depth_in(const ShapeIn<double>& shape, const Pressed
 double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point,
                            double dt) {
   if (!(point.inverse_mass > 0.0)) return 0.0;
+  if (point.box && !law.placed) return press_below(*point.box, law.compliance, point, dt);
   const Depth<double> in = depth_in(shape, point);
   if (!(in.depth > 0.0)) return 0.0;
   ContactLaw<double> own_law = law;
@@ -242,6 +252,23 @@ double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double
     corner.shift += point.share[c] / point.inverse_mass * packed(touch.shift);
   }
   return in.depth;
+}
+
+/// The same for a point of PointsInBox, in few operations: its normals are the box's axes.
+double SurfacePress::press_below(const BoxPlanes& box, double compliance, const Pressed& point, double dt) {
+  Corner &a = corners_[point.corner.row[0]], &b = corners_[point.corner.row[1]], &c = corners_[point.corner.row[2]];
+  const auto& [of_a, of_b, of_c, none] = point.share;
+  const Vec3 off = of_a * a.to + of_b * b.to + of_c * c.to - 0.5 * (box.low + box.high);
+  const Vec3 above = off.cwiseAbs() - 0.5 * (box.high - box.low);
+  const int axis = above[0] >= above[1] && above[0] >= above[2] ? 0 : above[1] >= above[2] ? 1 : 2;
+  const double depth = -above[axis];
+  if (!(depth > 0.0)) return 0.0;
+  const double size = depth * dt / (compliance * point.crowd + dt * dt * point.inverse_mass);
+  const double impulse = off[axis] < 0.0 ? -size : size;
+  a.impulse[axis] += of_a * impulse;
+  b.impulse[axis] += of_b * impulse;
+  c.impulse[axis] += of_c * impulse;
+  return depth;
 }
 
 /// An impulse and a shift, in the tool's frame, to a particle that can take it.

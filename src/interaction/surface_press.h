@@ -77,13 +77,16 @@ class SurfacePress {
 
  private:
   struct Corner {  // a particle, in the tool's frame
+    // m, of its way in this step, with the impulses of past rounds; N s, of this round. Beside each other, because each
+    // point of each round needs these alone.
+    Vec3 to{0, 0, 0}, impulse{0, 0, 0};
+    Vec3 shift{0, 0, 0};  // kg m, of this round
+    Vec3 from{0, 0, 0};   // m
     Index row = -1;
     std::size_t slot = 0;                    // where load is not 0; likewise inverse_mass
-    Vec3 from{0, 0, 0}, to{0, 0, 0};         // m, of its way in this step, with the impulses of past rounds
     double inverse_mass = 0.0;               // 1/kg, 0 where it is imposed or held
     double area = 0.0;                       // m^2, that it stands for where triangles are pressed at their corners
     double load = 0.0;                       // m^3: sum over the points that touch of share times load
-    Vec3 impulse{0, 0, 0}, shift{0, 0, 0};   // N s and kg m, of this round
     Vec3 pressed{0, 0, 0}, rubbed{0, 0, 0};  // N s, of all rounds: by points, and by friction
     Vec3 given{0, 0, 0};                     // N s, of all rounds, in the world
   };
@@ -120,6 +123,7 @@ class SurfacePress {
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);
   double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
+  double press_below(const BoxPlanes& box, double compliance, const Pressed& point, double dt);
   double press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                    const ToolFrame& end, TouchedParticles& touched, ToolForce& force);
   void hand_over(const ToolFrame& end, TouchedParticles& touched);
