@@ -257,7 +257,7 @@ double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double
 /// The same for a point of PointsInBox, in few operations: its normals are the box's axes.
 double SurfacePress::press_below(const BoxPlanes& box, double compliance, const Pressed& point, double dt) {
   Corner &a = corners_[point.corner.row[0]], &b = corners_[point.corner.row[1]], &c = corners_[point.corner.row[2]];
-  const auto& [of_a, of_b, of_c, none] = point.share;
+  const double of_a = point.share[0], of_b = point.share[1], of_c = point.share[2];
   const Vec3 off = of_a * a.to + of_b * b.to + of_c * c.to - 0.5 * (box.low + box.high);
   const Vec3 above = off.cwiseAbs() - 0.5 * (box.high - box.low);
   const int axis = above[0] >= above[1] && above[0] >= above[2] ? 0 : above[1] >= above[2] ? 1 : 2;
