@@ -38,6 +38,7 @@ struct phymul_simulation {
   phymul::ThreadState thread{};  // the last one that was handed out
   std::vector<int32_t> broken{}, slides{};
   std::vector<phymul_knot> knots{};
+  bool moved = false;  // particles may be elsewhere than at rest
 };
 
 struct phymul_snapshot {

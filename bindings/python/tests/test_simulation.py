@@ -322,6 +322,27 @@ class ToolsJointsSkins(Refusals):
         thread.remove()
         self.refused(ErrorCode.UNKNOWN_NAME, "joint", lambda: thread.report)
 
+    def test_springs_begin_where_the_particles_are(self):
+        def pulled():
+            sim = block(backend="reference").fix("z0")
+            sim.add_load("translation", "z1", (0, 0, 1), 3e-3)
+            return sim
+
+        there = pulled()
+        there.advance(0.01)
+        there = there.snapshot()
+        for way in (lambda sim: sim.advance(0.01), lambda sim: sim.step(1, 1e-4), lambda sim: sim.run_to_rest(10),
+                    lambda sim: sim.solve_static(), lambda sim: sim.restore(there),
+                    lambda sim: sim.set_state(positions=sim.body.rest + [0, 0, 3e-3])):
+            sim = pulled()
+            way(sim)
+            tool = sim.add_tool(phymul.Sphere(1e-3), Pose((0.015, 0.015, 0.06)))
+            springs = [sim.add_joint(Anchor(particles="z1"), Anchor(point=(0.015, 0.015, 0.06)), 10),
+                       sim.attach("z1", stiffness=1e4), sim.attach("z1", tool, stiffness=1e4)]
+            sim.step(1, 1e-5)
+            for spring in springs:
+                self.assertLess(np.abs(spring.report.force).max(), 1e-9)
+
     def test_a_part_of_a_surface_is_held(self):
         body = phymul.make_block((0.03, 0.03, 0.03), 3, 3, 3)
         sim = phymul.Simulation(body, **SOFT, damping=30).gravity((0, 0, -9.81))
