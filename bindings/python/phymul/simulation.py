@@ -9,7 +9,7 @@ from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 
-from ._library import (Error, ErrorCode, Handle, Owner, cut_along, encoded, floats, library, lines_of, make,
+from ._library import (Error, ErrorCode, Handle, Owner, cut_along, encoded, floats, instance, library, lines_of, make,
                        other_than_zero, path_of, rows_of, sized, text_of, view_of)
 from .body import Body, Material, Path, Vector
 from .interaction import fields_of
@@ -89,10 +89,10 @@ class Simulation(Scene):
         material_struct = material._struct
         if material != Material(0.0, 0.0, 0.0):
             options.material = ctypes.addressof(material_struct)
-        bodies = [body] if isinstance(body, Body) else list(body.values())
+        bodies = [instance(each, Body, "a body") for each in (body.values() if isinstance(body, Mapping) else [body])]
         handles = (ctypes.c_void_p * len(bodies))(*(each._pointer for each in bodies))
         names = None
-        if not isinstance(body, Body):
+        if isinstance(body, Mapping):
             names = (ctypes.c_char_p * len(bodies))(*map(encoded, body))
         self._handle = make("simulation", library.phymul_simulation_create, handles, names, len(bodies), _ref(options))
         self._body: Optional[Body] = None
@@ -251,7 +251,7 @@ class Simulation(Scene):
         return Snapshot(make("snapshot", library.phymul_snapshot_take, self._pointer))
 
     def restore(self, snapshot: Snapshot) -> None:
-        library.phymul_snapshot_restore(snapshot._pointer, self._pointer)
+        library.phymul_snapshot_restore(instance(snapshot, Snapshot, "a snapshot")._pointer, self._pointer)
         self._body = None  # cells may have come back
 
     def save(self, path: Path) -> None:

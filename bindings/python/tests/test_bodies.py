@@ -182,6 +182,11 @@ class Bodies(Refusals):
                      seed=-1)
         self.refused(invalid, "nx: expected an integer", phymul.make_block, (1, 1, 1), 2.0, 2, 2)
         self.refused(invalid, "threads: expected an integer", phymul.Simulation, block, threads=2**32 + 1)
+        self.refused(invalid, "a name or path, got 3", phymul.Simulation, block, backend=3)  # C would take an address
+        self.refused(invalid, "a name or path, got 1", phymul.Simulation, {1: block})
+        self.refused(invalid, "a body: expected a Body", phymul.Simulation, {"a": phymul.Simulation(block)})
+        self.refused(invalid, "a size: expected numbers", phymul.make_block, (1j, 1, 1), 2, 2, 2)
+        self.refused(invalid, "a size: expected numbers", phymul.make_block, ("1", "1", "1"), 2, 2, 2)
         self.refused(invalid, '"brick"', phymul.body_from_arrays, CUBE, {"brick": [[0]]})
         self.refused(invalid, "over 99", phymul.body_from_arrays, CUBE, {"tetrahedron": [[0, 1, 2, 99]]})
         self.refused(invalid, "", block.set_material, -1, 0.4, 1000)

@@ -51,7 +51,8 @@ class Steps(Refusals):
         for way in ("run_to_rest", "solve_static"):
             sim = block(backend="reference").fix("z0")
             load = sim.add_load("force", "z1", (1, 0, 0), 1e-3)
-            load.set(2e-3)
+            load.set(np.float32(1))
+            load.set(np.array(2e-3))
             report = getattr(sim, way)()
             self.assertTrue(report.converged, report.message)
             self.assertEqual(report.folded, -1)
@@ -128,6 +129,10 @@ class Steps(Refusals):
         self.refused(invalid, "(n, 2)", sim.add_load, "force", "z1", (0, 0, 1), [1.0, 2.0])
         self.refused(invalid, "(64, 3), got the shape (3, 3)", sim.set_state, np.zeros((3, 3)))
         self.refused(invalid, "is closed", sim.restore, self.closed(sim.snapshot()))
+        self.refused(invalid, "a snapshot: expected a Snapshot", sim.restore, sim)
+        for partner in ([1, 2], b"x0", sim):
+            self.refused(invalid, "a partner: expected a Tool", sim.attach, "z1", partner, stiffness=1.0)
+        self.refused(invalid, "orientation other than 0", sim.add_tool, phymul.Sphere(1.0), Pose(orientation=(0,) * 4))
         sim.close()
         self.refused(invalid, "Simulation is closed", sim.advance, 0.1)
         self.refused(invalid, "Simulation is closed", lambda: sim.positions)
@@ -440,6 +445,8 @@ class Planning(Refusals):
         self.refused(ErrorCode.INVALID_ARGUMENT, "nothing moves", phymul.plan, unmoved, max_error=0.2, rate=50)
         with self.assertRaisesRegex(ValueError, "handed over"):
             phymul.plan(viewed, max_error=0.2, rate=50)
+        with self.assertRaisesRegex(TypeError, "must return a Simulation"):
+            phymul.plan(lambda candidate: self.build(candidate).body, max_error=0.2, rate=50)
         self.refused(ErrorCode.UNKNOWN_NAME, "x0", phymul.plan, lambda candidate: self.build(candidate).fix("x9"),
                      max_error=0.2, rate=50)
         self.refused(ErrorCode.INVALID_ARGUMENT, "max_error", phymul.plan, self.build, max_error=2.0, rate=50)
