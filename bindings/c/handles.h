@@ -106,6 +106,16 @@ inline Vec3 vector(const double* xyz, const char* what) {
   return {xyz[0], xyz[1], xyz[2]};
 }
 
+/// A plane, behind that of a front or, without one, everywhere.
+inline CutSurface cut_behind(const double* point, const double* normal, const double* front,
+                             const double* front_normal) {
+  CutSurface cut = cut_plane(vector(point, "a point"), vector(normal, "a normal"));
+  if (front || front_normal)
+    cut.front =
+        cut_plane(vector(front, "a point of the front"), vector(front_normal, "a normal of the front")).distance;
+  return cut;
+}
+
 VecList vectors(const double* data, int32_t count, const char* what);
 std::vector<std::array<Index, 3>> triples(const int32_t* data, int32_t count, const char* what);
 

@@ -29,7 +29,7 @@ ToolPose pose_of(const phymul_pose* given) {
 
 Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
   const phymul_anchor from = options_of(given, "an anchor");
-  if (!from.particles) {
+  if (!from.particles && from.count == 0) {
     if (from.tool == 0) return at_world(vector(from.point, "a point"));
     const Scene& scene = scene_of(sim);
     return at_tool(name_of(scene.tools(), from.tool, "tool"), vector(from.point, "a point"));

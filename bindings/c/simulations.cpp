@@ -52,6 +52,8 @@ SimulationOptions options_for(const phymul_options* given) {
   const phymul_options from = options_of(given, "options of a simulation");
   SimulationOptions options;
   if (from.material) options.material = material_of(from.material);
+  if (from.material && options.material == Material{})  // which C++ takes for none
+    throw Error("expected a material with a Young's modulus above 0, or NULL, got one of zeros");
   if (from.backend) options.backend = from.backend;
   options.damping.rate = from.damping_rate;
   if (from.step != 0.0) options.step = from.step;
@@ -184,9 +186,7 @@ phymul_status phymul_remove_cells(phymul_simulation* sim, const int32_t* cells, 
 phymul_status phymul_cut(phymul_simulation* sim, const double point[3], const double normal[3],
                          const double* front_point, const double* front_normal, int32_t* whether) {
   return guarded([&] {
-    CutSurface cut = cut_plane(vector(point, "a point"), vector(normal, "a normal"));
-    if (front_point) cut.front = cut_plane(vector(front_point, "a point"), vector(front_normal, "a normal")).distance;
-    const bool parted = of(sim).cut(cut);
+    const bool parted = of(sim).cut(cut_behind(point, normal, front_point, front_normal));
     if (whether) *whether = parted ? 1 : 0;
   });
 }
