@@ -169,7 +169,8 @@ class Scene(Owner):
         return lines_of(library.phymul_add_body_types, self._pointer)
 
     def bind(self, points: Any, triangles: Any = ()) -> Skin:
-        """Points [n][3], m, that move with the body, such as the vertices of a finer surface; triangles for normals."""
+        """Points [n][3], m at rest, that move with the body, such as the vertices of a finer surface; triangles for
+        normals."""
         return Skin(self, floats(points, (-1, 3), "points"), integers(triangles, 3, "triangles"))
 
     def add_thread(self, thread: Thread, start: Vector, direction: Vector) -> ThreadHandle:

@@ -247,7 +247,8 @@ class Simulation(Scene):
         library.phymul_set_state(self._pointer, time, *(None if each is None else each.ctypes.data for each in arrays))
 
     def snapshot(self) -> Snapshot:
-        """The state with all that further steps depend on, tools and joints too, except loads, gravity and contacts."""
+        """The state with all that further steps depend on, tools, joints and threads too. restore() leaves loads, gravity,
+        contacts, kept volumes, tearing and factors of stiffness as they are."""
         return Snapshot(make("snapshot", library.phymul_snapshot_take, self._pointer))
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -263,7 +264,8 @@ class Simulation(Scene):
         self._body = None
 
     def record(self) -> None:
-        """From now on what is done with this simulation is recorded."""
+        """From now on what is done with this simulation is recorded. Poses and grasps that no step has followed yet are
+        dropped: repeat them."""
         library.phymul_record(self._pointer)
 
     def save_recording(self, path: Path) -> None:

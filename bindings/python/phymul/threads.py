@@ -59,7 +59,7 @@ class Knot:
 class ThreadState:
     """A thread after the last step. Arrays are copies."""
 
-    positions: np.ndarray  # [points][3] m: nodes; of a sewn thread: tips and passages. None before its first step
+    positions: np.ndarray  # [points][3] m: nodes; of a sewn thread: tips and passages, 0 before its first step
     rest_lengths: np.ndarray  # [points - 1] m
     tensions: np.ndarray  # [points - 1] N
     broken: np.ndarray  # [points - 1]
