@@ -159,6 +159,9 @@ class Handle:
         self.was_viewed = False
         self._free = getattr(library, f"phymul_{kind}_free")
 
+    def __reduce__(self) -> Any:
+        raise TypeError(f"a {self.kind} of the library cannot be copied or pickled")  # both would free it
+
     def __del__(self) -> None:
         if self.pointer:
             self._free(self.pointer)

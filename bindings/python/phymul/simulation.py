@@ -54,6 +54,9 @@ class StepError(Error):
         super().__init__(message, ErrorCode.STEP_FAILED)
         self.report = report
 
+    def __reduce__(self) -> Any:  # without it a process that gets one from another cannot make it
+        return StepError, (str(self), self.report)
+
 
 @dataclass(frozen=True)
 class Energy:

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT
+import copy
 import pathlib
 import re
 import tempfile
@@ -206,6 +207,8 @@ class Bodies(Refusals):
         block.set_material(5e3, 0.4, 1000)
         self.assertIs(rest.base.owner, block._own)
         np.testing.assert_array_equal(rest, before)
+        with self.assertRaisesRegex(TypeError, "body of the library cannot be copied"):
+            copy.deepcopy(block)
         with block:
             pass
         self.refused(ErrorCode.INVALID_ARGUMENT, "Body is closed", lambda: block.rest)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 import pathlib
-import re
+import pickle
 import tempfile
 import unittest
 
@@ -96,6 +96,8 @@ class Steps(Refusals):
         self.assertEqual(caught.exception.code, ErrorCode.STEP_FAILED)
         self.assertEqual(caught.exception.report.steps, 0)
         self.assertIn(str(caught.exception), caught.exception.report.message)
+        sent = pickle.loads(pickle.dumps(caught.exception))  # as between processes
+        self.assertEqual((str(sent), sent.report), (str(caught.exception), caught.exception.report))
         self.assertEqual(sim.step(2, 0.5 * sim.stable_step).steps, 2)
         free = block().gravity((0, 0, -1))
         self.refused(ErrorCode.STEP_FAILED, "", free.solve_static)
