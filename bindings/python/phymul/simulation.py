@@ -109,8 +109,9 @@ class Simulation(Scene):
 
     @property
     def body(self) -> Body:
-        """A copy of the body, or of all bodies as one, with their materials."""
-        if self._body is None or self._body_cuts != self.cuts:  # blades cut, and tissue tears, in a step
+        """A copy of the body, or of all bodies as one, with their materials; the same one until cells are cut."""
+        # Blades cut, and tissue tears, in a step.
+        if self._body is None or self._body._handle is None or self._body_cuts != self.cuts:
             self._body_cuts = self.cuts
             self._body = Body(make("body", library.phymul_simulation_body, self._pointer))
         return self._body
@@ -250,8 +251,8 @@ class Simulation(Scene):
         library.phymul_set_state(self._pointer, time, *(None if each is None else each.ctypes.data for each in arrays))
 
     def snapshot(self) -> Snapshot:
-        """The state with all that further steps depend on, tools, joints and threads too. restore() leaves loads, gravity,
-        contacts, kept volumes, tearing and factors of stiffness as they are."""
+        """The state with all that further steps depend on, tools, joints and threads too. restore() leaves loads,
+        gravity, contacts, kept volumes, tearing and factors of stiffness as they are."""
         return Snapshot(make("snapshot", library.phymul_snapshot_take, self._pointer))
 
     def restore(self, snapshot: Snapshot) -> None:

@@ -168,6 +168,9 @@ class Views(Refusals):
         sim.set_state(positions=sim.body.rest + [0, 0, 1e-3])
         np.testing.assert_allclose(sim.positions[:, 2], sim.body.rest[:, 2] + 1e-3, atol=1e-8)
         last = view.copy()
+        with sim.body:
+            pass
+        self.assertEqual(sim.body.particles, 64)
         sim.close()
         del sim
         np.testing.assert_array_equal(view, last)
