@@ -209,6 +209,30 @@ TEST(StudyFit, AskingAheadChangesNoBit) {
   }
 }
 
+/// The search tries a place and turns back; beyond it, where only derivatives there would look, nothing has a result.
+TEST(StudyFit, AskingAheadNeedsNoSceneThatTheSearchDoesNotNeed) {
+  Study study;
+  study.unknowns = {{"a", std::exp(2.0), 1}};
+  study.measurement.deviation = 1.0;
+  study.measurement.point.resize(1);
+  study.measurement.displacement.emplace_back(0, 0, 0);
+  double farthest = 0.0, end = -HUGE_VAL;  // logarithms
+  const SceneEvaluator bent = [&](const std::vector<std::vector<double>>& scenes) {
+    std::vector<SceneResult> results;
+    for (const auto& scene : scenes) {
+      const double x = std::log(scene[0]);
+      farthest = std::min(farthest, x);
+      results.push_back({.failure = x < end ? "folded" : "", .values = {std::atan(x), 0, 0}});
+    }
+    return results;
+  };
+  const StudyFit alone = fit_unknowns(study, bent, false);
+  EXPECT_LT(farthest, -3.0);
+  end = farthest - 0.005;
+  const StudyFit ahead = fit_unknowns(study, bent, true);
+  EXPECT_EQ(ahead.unknowns[0].value, alone.unknowns[0].value);
+}
+
 TEST(StudyFit, SaysWhatTheMeasurementDoesNotDetermine) {
   TwoSprings springs(1);
   const SceneEvaluator blind = [](const std::vector<std::vector<double>>& scenes) {
