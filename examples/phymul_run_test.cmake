@@ -84,6 +84,11 @@ file(WRITE ${OUT}/aside.lml "<loads><load type='Translation'><appliedTo>250-274<
      "<direction x='1'/><unit>mm</unit></load></loads>")
 run(3 "Pulled at [0-9e.-]+ s: the driven particles are 5 mm from[^:]*Stopped" ${DATA}/cylinder_275.pml ${OUT}/aside.lml
     --fix "Fixed Dof" --max-time 0.01 --frame-interval 0 --no-pictures --out ${OUT}/aside)
+# A force that has ended acts no more.
+file(WRITE ${OUT}/pushed.lml "<loads><load type='Force'><appliedTo>tip</appliedTo><valueEvent date='0' value='0.01'/>"
+     "<valueEvent date='0.01' value='0'/><direction z='-1'/><unit>N</unit></load></loads>")
+run(0 "under force.*At rest at [^\n]* mm from the rest shape\\.\n" ${MESH} ${OUT}/pushed.lml --unit 0.01 --fix "fixed side"
+    --damping 60 --frame-interval 0 --no-pictures --out ${OUT}/pushed)
 run(1 "--let-go: expected a number above 0, got 0" ${sample} --let-go 0 --out ${OUT}/none)
 
 # What nothing holds moves away, whatever its damping.
