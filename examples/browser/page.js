@@ -26,7 +26,7 @@ function later(text, work) {
     const good = work();
     if (good) say('');
     else say(failure(), true);
-    state.ready = true;
+    state.ready = good || Boolean(state.status);  // with the organ before, if there is one
     resolve(good);
   }, 0)));
 }
@@ -45,7 +45,7 @@ async function fill() {
   try {
     bytes = new Uint8Array(await (ownFile || await fetch(organ)).arrayBuffer());
   } catch (error) {
-    state.ready = true;  // with the organ before
+    state.ready = Boolean(state.status);
     return say(`${organ}: ${error.message}`, true);
   }
   return later('Filling the surface ...', () => {
@@ -126,7 +126,7 @@ function listen() {
   }, {passive: false});
   $('organ').addEventListener('change', () => { ownFile = null; offerSpacings(); fill(); });
   $('spacing').addEventListener('change', fill);
-  $('backend').addEventListener('change', () =>
+  $('backend').addEventListener('change', () => state.status &&
     later('Changing ...', () => call('page_use', 'number', ['string'], [$('backend').value])));
   $('file').addEventListener('change', takeFile);
   $('reset').addEventListener('click', () => state.ready && call('page_reset', null, [], []));
