@@ -105,6 +105,7 @@ run(0 "Chosen: .*bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03
 run(3 "Not kept" ${plan} --max-error 0.9 --rate 1e8)
 run(1 "expected a share as 3% or 0.03, got 300%" ${plan} --max-error 300%)
 run(1 "--plan requires --max-error" ${plan})
+run(1 "--tear: a rest shape is found without tears; give --probe-time" ${plan} --max-error 90% --cut 0 0 0 1 0 0 --tear 3 0)
 run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.016 --fine-near 0 0 0.03 0.005 0.008
     --fix-near 0 0 -0.03 0.02 --out ${OUT}/fine_bean)
 run(0 "steps to rest" ${bean} --spacing 0.012 --hold-near 0 0 -0.03 0.02 --out ${OUT}/held_bean)
