@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "crew.h"
 #include "fit.h"
 #include "sampler.h"
 #include "tables.h"
@@ -246,6 +247,15 @@ TEST(StudyFit, SaysWhatTheMeasurementDoesNotDetermine) {
   } catch (const phymul::Error& error) {
     EXPECT_NE(std::string(error.what()).find("do not determine b;"), std::string::npos) << error.what();
   }
+}
+
+TEST(StudyCrew, EndsWithoutThoseThreadsThatCouldNotBeMade) {
+  int made = 0;
+  const auto make_work = [&made]() -> SceneWork {
+    if (++made == 3) throw phymul::Error("no third one");
+    return [](const std::vector<double>&) { return SceneResult(); };
+  };
+  EXPECT_THROW(StudyCrew(4, make_work), phymul::Error);
 }
 
 TEST(StudyFit, SaysWhichSceneHasNoResult) {
