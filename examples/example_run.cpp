@@ -31,9 +31,7 @@ int run_example(int argc, char** argv, const char* about, const std::function<vo
     std::filesystem::create_directories(options.out);
     run(options);
     return 0;
-  } catch (const phymul::Error& error) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
-  } catch (const std::filesystem::filesystem_error& error) {
+  } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
   }
   return 1;

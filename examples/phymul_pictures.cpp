@@ -151,10 +151,7 @@ int main(int argc, char** argv) try {
   std::filesystem::create_directories(folder);
   draw_tetrahedron(folder);
   draw_cylinder(folder);
-} catch (const phymul::Error& error) {
-  std::fprintf(stderr, "phymul-pictures: %s\n", error.what());
-  return 1;
-} catch (const std::filesystem::filesystem_error& error) {
+} catch (const std::exception& error) {
   std::fprintf(stderr, "phymul-pictures: %s\n", error.what());
   return 1;
 }

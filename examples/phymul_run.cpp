@@ -81,7 +81,10 @@ int run(const RunOptions& options) {
   RunLoop loop(options, schedule, sim, progress);
   const int exit_code = loop.run();
   phymul::write_csv(sim.model(), loop.state(), options.out + "/rest.csv");
-  phymul::write_pml(phymul::deformed_model(sim.model(), loop.state()), options.out + "/rest.pml",
+  phymul::Model rest = phymul::deformed_model(sim.model(), loop.state());
+  // Tears make copies of particles that have cells and no neighbours.
+  if (options.tearing) rest.neighbours = phymul::neighbours_from_cells(rest.cells, rest.particle_count());
+  phymul::write_pml(rest, options.out + "/rest.pml",
                     {.length_unit = length_unit("rest.pml", is_pml(options.body) ? options.length_unit : 0.0)});
   print_table(solver, loop.summary());
   if (options.profile) print_profile(solver.profile(), loop.summary());
@@ -102,10 +105,7 @@ int main(int argc, char** argv) try {
   return print_plan(*options, std::vector<std::string>(argv, argv + argc), [&](const phymul::PlanCandidate& candidate) {
     return make_candidate(*options, candidate, progress);
   });
-} catch (const phymul::Error& error) {
-  std::fprintf(stderr, "phymul-run: %s\n", error.what());
-  return 1;
-} catch (const std::filesystem::filesystem_error& error) {
+} catch (const std::exception& error) {
   std::fprintf(stderr, "phymul-run: %s\n", error.what());
   return 1;
 }

@@ -69,6 +69,28 @@ run(1 "the nearest is 0.98[0-9]+ m away" ${OUT}/mesh/rest.pml --fix-near 1 0 0 0
 run(3 "Pulled at [0-9e.-]+ s: the driven particles are 10 mm from" ${MESH} --unit 0.01 --fix "fixed side" --move tip=0,0,0.01
     --max-time 0.01 --frame-interval 0 --no-pictures --out ${OUT}/moved)
 
+# Pictures name the material of the body, also where it is that of the file.
+set(short --dt 1e-4 --max-time 0.001 --frame-interval 0)
+run(3 "Stopped" ${MESH} --unit 0.01 --young 20e3 ${short} --out ${OUT}/stiff)
+run(3 "Stopped" ${OUT}/stiff/rest.pml --from-file ${short} --out ${OUT}/stiff_file)
+file(SHA256 ${OUT}/stiff/rest.png a)
+file(SHA256 ${OUT}/stiff_file/rest.png b)
+if(NOT a STREQUAL b)
+  message(FATAL_ERROR "phymul-run --from-file: expected the picture of the same body, ${OUT}/stiff/rest.png")
+endif()
+
+# A value that never changes is there from the beginning on, too, and stays.
+file(WRITE ${OUT}/aside.lml "<loads><load type='Translation'><appliedTo>250-274</appliedTo><valueEvent date='0' value='5'/>"
+     "<direction x='1'/><unit>mm</unit></load></loads>")
+run(3 "Pulled at [0-9e.-]+ s: the driven particles are 5 mm from[^:]*Stopped" ${DATA}/cylinder_275.pml ${OUT}/aside.lml
+    --fix "Fixed Dof" --max-time 0.01 --frame-interval 0 --no-pictures --out ${OUT}/aside)
+# A force that has ended acts no more.
+file(WRITE ${OUT}/pushed.lml "<loads><load type='Force'><appliedTo>tip</appliedTo><valueEvent date='0' value='0.01'/>"
+     "<valueEvent date='0.01' value='0'/><direction z='-1'/><unit>N</unit></load></loads>")
+run(0 "under force.*At rest at [^\n]* mm from the rest shape\\.\n" ${MESH} ${OUT}/pushed.lml --unit 0.01 --fix "fixed side"
+    --damping 60 --frame-interval 0 --no-pictures --out ${OUT}/pushed)
+run(1 "--let-go: expected a number above 0, got 0" ${sample} --let-go 0 --out ${OUT}/none)
+
 # What nothing holds moves away, whatever its damping.
 run(3 "nothing holds the part of particle 0: it moves away" ${MESH} --unit 0.01 --gravity 0 0 -9.81
     --max-time 0.05 --frame-interval 0 --no-pictures --out ${OUT}/loose)
@@ -83,6 +105,7 @@ run(0 "Chosen: .*bean.stl --unit 0.001 --gravity 0 0 -9.81 --hold-near 0 0 -0.03
 run(3 "Not kept" ${plan} --max-error 0.9 --rate 1e8)
 run(1 "expected a share as 3% or 0.03, got 300%" ${plan} --max-error 300%)
 run(1 "--plan requires --max-error" ${plan})
+run(1 "--tear: a rest shape is found without tears; give --probe-time" ${plan} --max-error 90% --cut 0 0 0 1 0 0 --tear 3 0)
 run(0 "steps to rest.*filled with [0-9]+ particles" ${bean} --spacing 0.016 --fine-near 0 0 0.03 0.005 0.008
     --fix-near 0 0 -0.03 0.02 --out ${OUT}/fine_bean)
 run(0 "steps to rest" ${bean} --spacing 0.012 --hold-near 0 0 -0.03 0.02 --out ${OUT}/held_bean)
@@ -102,6 +125,21 @@ set(notched ${bean} --spacing 0.012 --fix-near 0.05 0.02 0 0.025 --group tip=-0.
 run(3 "Torn: [1-9][0-9]+ cells, 2[0-4][0-9][0-9] mm.2 of 2 pieces" ${notched} --force tip=-1,0,0 --tear 3 0 --max-time 0.5)
 run(3 "Torn: 0 cells, 0 mm.2 of 1 piece" ${notched} --force tip=-1,0,0 --tear 30 0 --max-time 0.3)
 run(0 "Torn: [1-9][0-9]+ cells, [0-9]+ mm.2 of 1 piece.*At rest" ${notched} --move tip=-0.006,0,0 --tear 3 0)
+# What it wrote of a torn body, it reads without a word about particles that nothing would hold.
+execute_process(COMMAND ${RUN} ${OUT}/torn_bean/rest.pml --from-file --max-time 0.001 --frame-interval 0 --no-pictures
+                        --out ${OUT}/torn_again RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE said)
+if(NOT code EQUAL 3 OR said MATCHES "particles have")
+  message(FATAL_ERROR "expected to read a torn body, got ${code} and: ${said}")
+endif()
+# A cut is drawn as it is in a body that can tear.
+set(cut ${DATA}/bean.stl --unit 0.001 --spacing 0.012 --cut 0 0 0 1 0 0 --dt 2e-4 --max-time 0.001 --frame-interval 0)
+run(3 "Stopped" ${cut} --out ${OUT}/cut_picture)
+run(3 "Stopped" ${cut} --tear 30 0 --out ${OUT}/tear_picture)
+file(SHA256 ${OUT}/cut_picture/rest.png a)
+file(SHA256 ${OUT}/tear_picture/rest.png b)
+if(NOT a STREQUAL b)
+  message(FATAL_ERROR "phymul-run --cut: expected the picture of --tear, ${OUT}/cut_picture/rest.png")
+endif()
 run(1 "--tear requires --cut" ${bean} --spacing 0.012 --tear 3 0 --out ${OUT}/none)
 run(1 "expected a number of 0 or more, got -1" ${notched} --tear -1 0)
 run(1 "--cut: the plane 1 passes no cell" ${bean} --spacing 0.012 --cut 1 0 0 1 0 0 --out ${OUT}/none)
@@ -109,6 +147,7 @@ run(1 "--cut: .*normal" ${bean} --spacing 0.012 --cut 0 0 0 0 0 0 --out ${OUT}/n
 run(1 "--cut: .*tetrahedr" ${sample} --cut 0 0 0 0 0 1 --out ${OUT}/none)
 run(1 "--cut-front requires --cut" ${bean} --spacing 0.012 --cut-front 0 0 0 0 0 1 --out ${OUT}/none)
 run(1 "at least an eighth of the spacing" ${bean} --spacing 0.016 --fine-near 0 0 0 0.01 0.001 --out ${OUT}/none)
+run(1 "--fix-near: expected a finite place and a radius of 0 or more" ${bean} --spacing 0.012 --fix-near 0 0 0 -1 --out ${OUT}/none)
 run(1 "the nearest is 0.9[0-9]+ m away" ${bean} --spacing 0.012 --fix-near 1 0 0 0.02 --out ${OUT}/none)
 run(1 "bean.stl: a surface is filled; give --spacing" ${bean} --out ${OUT}/none)
 run(1 "--from-file: a surface has no masses" ${bean} --spacing 0.016 --from-file --out ${OUT}/none)

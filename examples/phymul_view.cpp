@@ -23,8 +23,9 @@ using Clock = std::chrono::steady_clock;
 /// from the first of them to the last.
 void play(ViewInput& input, const ViewOptions& options, int frame) {
   if (static_cast<std::size_t>(frame) < options.keys.size()) {
-    // GLFW numbers keys by their capital letters.
-    input.key(std::toupper(static_cast<unsigned char>(options.keys[static_cast<std::size_t>(frame)])));
+    // GLFW numbers keys by their capital letters, and has + on that of =.
+    const int key = std::toupper(static_cast<unsigned char>(options.keys[static_cast<std::size_t>(frame)]));
+    input.key(key == '+' ? GLFW_KEY_EQUAL : key);
   }
   const int ways = static_cast<int>(options.drag.size() / 4), frames = ways > 0 ? options.frames / ways : 0;
   if (frames < 2 || frame >= ways * frames) return;
@@ -73,7 +74,7 @@ int main(int argc, char** argv) try {
   int exit_code = 0;
   const std::optional<ViewOptions> options = read_view_options(argc, argv, exit_code);
   return options ? run(*options) : exit_code;
-} catch (const phymul::Error& error) {
+} catch (const std::exception& error) {
   std::fprintf(stderr, "phymul-view: %s\n", error.what());
   return 1;
 }

@@ -49,6 +49,12 @@ foreach(backend IN ITEMS reference gl)
   expect_same(held_${backend} pulled_${backend} FALSE)
 endforeach()
 
+# The sign + scales the colours, and so does the key that it is on.
+view(scaled 0 reference cylinder --fix bottom --backend reference --frames 12 --drag 200 78 260 60 --keys "+")
+view(scaled_too 0 reference cylinder --fix bottom --backend reference --frames 12 --drag 200 78 260 60 --keys "=")
+expect_same(scaled scaled_too TRUE)
+expect_same(scaled pulled_reference FALSE)
+
 # Every key, two of them changing the backend to and fro.
 view(keys 0 "275 particles" ${BODY} ${LOADS} --backend reference --frames 24 --keys "selpaotc=-bnrb fselpao")
 view(layers 0 "275 particles" ${BODY} --backend reference --frames 4 --keys "sel")
@@ -78,6 +84,12 @@ if(SURFACE)
   view(reset 0 "drawn.* [0-9.]+ s\n" ${held} --frames 30 --keys "x..............r" --drag 200 20 200 300)
   expect_same(whole undone TRUE)
   expect_same(whole reset TRUE)
+  # A file that has cuts is shown as what they leave.
+  execute_process(COMMAND ${RUN} ${SURFACE} --unit 0.001 --spacing 0.012 --cut 0 0 0 1 0 0 --max-time 0.001
+                          --frame-interval 0 --no-pictures --out ${OUT}/cut_file OUTPUT_QUIET ERROR_QUIET)
+  view(of_file 0 "cut, 2 pieces\n" ${OUT}/cut_file/rest.pml --from-file --backend gl --frames 3)
+  view(its_cells 0 "cut, 2 pieces\n" ${OUT}/cut_file/rest.pml --from-file --backend gl --frames 3 --keys "k")
+  expect_same(of_file its_cells FALSE)
   view(not_cut 0 "only a body of tetrahedra with a material can be cut" block --frames 2 --keys "x")
 endif()
 # A body of walls: nothing for a scalpel.
@@ -93,6 +105,11 @@ foreach(third IN ITEMS 1 3)
 endforeach()
 file(WRITE ${OUT}/wall.pml "${wall}</structuralComponent></multiComponent></exclusiveComponents></physicalModel>")
 view(wall 0 "only a body of tetrahedra with a material can be cut" ${OUT}/wall.pml --from-file --frames 2 --keys "x")
+file(WRITE ${OUT}/no_unit.lml "<loads><load type='Translation'><appliedTo>0-24</appliedTo>"
+     "<valueEvent date='0' value='0'/><direction x='1'/></load></loads>")
+view(noted 0 "note: [^\n]*unit" ${BODY} ${OUT}/no_unit.lml --backend reference --frames 2)
+string(REPEAT "long" 2000 long)
+view(none 1 "phymul-view: .*name too long" ${long} --frames 1)
 view(none 1 "--frames: .*-5" tetrahedron --frames -5)
 view(none 1 "--png requires --frames" tetrahedron)
 view(none 1 "no_such_body.*expected a file" no_such_body --frames 1)

@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "surface_body.h"
+
 namespace {
 
 constexpr int samples_per_frame = 10;
@@ -40,7 +42,9 @@ RunLoop::RunLoop(const RunOptions& options, const RunSchedule& schedule, phymul:
       solver_(sim.unrecorded_solver()),
       model_(sim.model()),
       progress_(progress) {
-  if (schedule.has_driven && !options.keep) let_go_date_ = options.let_go.value_or(schedule.let_go);
+  // What is imposed from the beginning, and never changes, has no last date at which it would be let go.
+  const bool lets_go = schedule.has_driven && !options.keep && (options.let_go || schedule.let_go > 0.0);
+  if (lets_go) let_go_date_ = options.let_go.value_or(schedule.let_go);
   if (schedule.has_driven) pull_date_ = std::min(schedule.largest_pull, let_go_date_.value_or(schedule.largest_pull));
   settle_date_ = schedule.last_date;
   if (schedule.has_driven) settle_date_ = std::max(settle_date_, let_go_date_.value_or(schedule.let_go));
@@ -192,20 +196,22 @@ void RunLoop::draw(const std::string& file, const std::string& title, const phym
   if (!options_.pictures) return;
   ScenePictureOptions picture;
   picture.title = (model_.name.empty() ? "body" : model_.name) + ": " + title;
+  const bool tissue = is_cut(model_);  // whose picture has no particles
   char text[160];
-  std::snprintf(text, sizeof text, "t = %.4g s, %d particles", state.time, model_.particle_count());
+  std::snprintf(text, sizeof text, tissue ? "t = %.4g s" : "t = %.4g s, %d particles", state.time,
+                model_.particle_count());
   picture.subtitle = text;
-  if (!model_.materials.empty()) {
-    std::snprintf(text, sizeof text, ", E = %.4g kPa, Poisson's ratio %.3g", 1e-3 * options_.material.young,
-                  options_.material.poisson);
+  if (model_.materials.size() == 1) {
+    const phymul::Material& material = model_.materials.front();
+    std::snprintf(text, sizeof text, ", E = %.4g kPa, Poisson's ratio %.3g", 1e-3 * material.young, material.poisson);
     picture.subtitle += text;
   }
   std::snprintf(text, sizeof text, "; at most %.3g mm from the rest shape",
                 1e3 * displacement_norms(model_, state).max);
   picture.subtitle += text;
   picture.full_scale = full_scale_;
-  if (!options_.tearing) picture.held = schedule_.held;  // a picture of tissue has no particles
-  if (!is_let_go && !options_.tearing) picture.driven = schedule_.driven;
+  if (!tissue) picture.held = schedule_.held;
+  if (!is_let_go && !tissue) picture.driven = schedule_.driven;
   picture.width = 900;
   picture.height = 1000;
   picture.eye = {0.75, -1.0, 0.45};
@@ -214,7 +220,7 @@ void RunLoop::draw(const std::string& file, const std::string& title, const phym
     picture.frame.insert(picture.frame.end(), model_.rest.begin(), model_.rest.end());
     picture.frame.insert(picture.frame.end(), state.position.begin(), state.position.end());
   }
-  if (options_.tearing) return draw_tissue(model_, state, picture, options_.out + '/' + file);
+  if (tissue) return draw_tissue(model_, state, picture, options_.out + '/' + file);
   if (!pictures_) pictures_.emplace(model_);
   pictures_->draw(state, picture, options_.out + '/' + file);
 }

@@ -211,7 +211,7 @@ void add_run_options(CLI::App& app, RunOptions& options) {
             ->check(not_negative()),
         app.add_option("--dt", options.dt, "step, s [half of the stable step]")->check(positive()),
         app.add_option("--let-go", options.let_go, "when driven particles are let go, s [their last date]")
-            ->check(not_negative()),
+            ->check(positive()),
         app.add_option("--max-time", options.max_time, "simulated time at most, s [20 s after the last date]")
             ->check(positive())}) {
     option->group(group);

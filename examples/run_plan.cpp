@@ -34,6 +34,9 @@ int print_plan(const RunOptions& options, const std::vector<std::string>& words,
     throw phymul::Error("--plan: expected a surface or a labelled image, which can be filled at any spacing, got " +
                         options.body);
   }
+  if (options.tearing && options.probe_time == 0.0) {
+    throw phymul::Error("--tear: a rest shape is found without tears; give --probe-time, s of motion to compare");
+  }
   phymul::PlanOptions wishes{.max_error = options.max_error, .rate = options.rate, .probe_time = options.probe_time};
   if (options.backend != "auto") wishes.backends = {options.backend};
   if (options.threads > 0) wishes.most_threads = options.threads;

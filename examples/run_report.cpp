@@ -208,7 +208,10 @@ void print_story(const phymul::Scene& scene, const RunSchedule& schedule, const 
                     ? " Cells should have torn that could not: cut three times, or no spare particles."
                     : "");
   }
+  const bool acts = !scene.gravity().isZero(0.0) || std::ranges::any_of(scene.loads(), [](const phymul::Load& load) {
+    return is_pushing(load) && load.events.back().value != 0.0;
+  });
   const Snapshot& end = summary.snapshots.back();
   std::printf("  %s at %.4g s, at most %.4g mm from the rest shape%s.\n", summary.at_rest ? "At rest" : "Stopped",
-              end.time, 1e3 * end.displacement.max, summary.at_rest && !pushes.empty() ? " under what still acts" : "");
+              end.time, 1e3 * end.displacement.max, summary.at_rest && acts ? " under what still acts" : "");
 }

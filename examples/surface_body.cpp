@@ -105,6 +105,9 @@ FileBody read_body_file(const std::string& path, double unit, double spacing, bo
 std::vector<phymul::Index> particles_in_ball(const phymul::Model& model, const double* ball,
                                              const std::string& option) {
   const phymul::Vec3 centre(ball[0], ball[1], ball[2]);
+  if (!centre.allFinite() || !(ball[3] >= 0.0)) {
+    throw phymul::Error(option + ": expected a finite place and a radius of 0 or more, m");
+  }
   double nearest = std::numeric_limits<double>::infinity();
   const std::vector<phymul::Index> found = model.particles_in([&](const phymul::Vec3& at) {
     nearest = std::min(nearest, (at - centre).norm());
@@ -133,6 +136,10 @@ void hold_in_balls(phymul::Scene& scene, const phymul::Surface* surface, double 
       throw phymul::Error("--hold-near: " + std::string(error.what()));
     }
   }
+}
+
+bool is_cut(const phymul::Model& model) {
+  return std::ranges::any_of(model.cells, [](const phymul::Cell& cell) { return !cell.cuts.empty(); });
 }
 
 phymul::Model with_room_for_cuts(const phymul::Model& model) {

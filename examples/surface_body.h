@@ -45,5 +45,8 @@ double length_unit(const std::string& path, double asked);
 FileBody read_body_file(const std::string& path, double unit, double spacing, bool from_file,
                         const std::vector<double>& fine_balls = {});
 
+/// Whether a cut goes through a cell: then the body's tissue is to be shown (phymul/surface.h), not its cells.
+bool is_cut(const phymul::Model& model);
+
 /// The same body with spare particles (phymul/body.h) for four cuts through its middle.
 phymul::Model with_room_for_cuts(const phymul::Model& model);

@@ -43,8 +43,10 @@ phymul::Simulation ViewSimulation::make(const std::string& backend) const {
   options.solver.gl.context = phymul::GlContext::current;
   phymul::Simulation sim(can_be_cut_ ? with_room_for_cuts(model()) : model(), options);
   phymul::Scene& scene = sim.scene();
-  if (!options_.loads.empty()) scene.add(phymul::read_lml(options_.loads, model()));
-  for (const std::string& done : phymul::add_body_types(scene)) std::fprintf(stderr, "note: %s\n", done.c_str());
+  std::vector<std::string> notes;
+  if (!options_.loads.empty()) scene.add(phymul::read_lml(options_.loads, model(), &notes));
+  for (std::string& done : phymul::add_body_types(scene)) notes.push_back(std::move(done));
+  for (const std::string& note : notes) std::fprintf(stderr, "note: %s\n", note.c_str());
   for (const std::string& group : options_.fixed_groups) scene.fix(group);
   for (std::size_t k = 0; k < options_.fixed_balls.size(); k += 4) {
     scene.fix(particles_in_ball(model(), &options_.fixed_balls[k]));

@@ -44,7 +44,7 @@ class ViewSimulation {
 
  private:
   phymul::Simulation make(const std::string& backend) const;
-  bool is_cut() const { return !sim_.cuts().empty(); }
+  bool is_cut() const { return !sim_.cuts().empty() || ::is_cut(sim_.model()); }
   phymul::Snapshot snapshot() const;
   void go_back(const phymul::Snapshot& snapshot);
   void show();

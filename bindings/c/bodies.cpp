@@ -269,11 +269,8 @@ phymul_status phymul_body_add_cell_group(phymul_body* body, const char* name, co
 
 phymul_status phymul_body_cut(const phymul_body* body, const double point[3], const double normal[3],
                               const double* front_point, const double* front_normal, phymul_body** made) {
-  return make(made, [&] {
-    CutSurface cut = cut_plane(vector(point, "a point"), vector(normal, "a normal"));
-    if (front_point) cut.front = cut_plane(vector(front_point, "a point"), vector(front_normal, "a normal")).distance;
-    return cut_body(need(body, "a body").model, cut);
-  });
+  return make(
+      made, [&] { return cut_body(need(body, "a body").model, cut_behind(point, normal, front_point, front_normal)); });
 }
 
 phymul_status phymul_body_with_spare_particles(const phymul_body* body, int32_t count, phymul_body** made) {

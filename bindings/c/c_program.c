@@ -64,16 +64,29 @@ static const char* misuse_of_simulations(const phymul_body* body, phymul_simulat
   const phymul_plan_options wishes = {.size = sizeof wishes, .max_error = 0.1, .rate = 50};
   phymul_plan* plan = NULL;
   REFUSED(phymul_plan_create(ends, NULL, &wishes, &plan), PHYMUL_INTERNAL, "absent.msh")
+  const phymul_material zeros = {.size = sizeof zeros};
+  options.backend = NULL;
+  options.material = &zeros;
+  REFUSED(phymul_simulation_create(two, NULL, 1, &options, &none), PHYMUL_INVALID_ARGUMENT, "one of zeros")
   options.size = sizeof options + 8;
   REFUSED(phymul_simulation_create(two, NULL, 1, &options, &none), PHYMUL_INVALID_ARGUMENT, "size")
   HOLDS(none == NULL)
   REFUSED(phymul_fix(sim, "x9"), PHYMUL_UNKNOWN_NAME, "x1")
   REFUSED(phymul_fix(NULL, "x0"), PHYMUL_INVALID_ARGUMENT, "NULL")
-  const int32_t row[1] = {1000};
+  const int32_t row[1] = {1000}, last = 63;
   REFUSED(phymul_fix_particles(sim, row, 1), PHYMUL_INVALID_ARGUMENT, "1000")
   REFUSED(phymul_fix_particles(sim, row, -1), PHYMUL_INVALID_ARGUMENT, "-1")
   phymul_tool_force force = {.size = sizeof force};
   REFUSED(phymul_tool_read_force(sim, 77, &force), PHYMUL_UNKNOWN_NAME, "77")
+  const phymul_anchor lost = {.size = sizeof lost, .count = 3},
+                      held = {.size = sizeof held, .particles = &last, .count = 1};
+  const phymul_joint_options spring = {.size = sizeof spring, .stiffness = 1};
+  uint64_t joint = 0;
+  REFUSED(phymul_joint_add(sim, &lost, &held, &spring, &joint), PHYMUL_INVALID_ARGUMENT, "NULL")
+  phymul_body* cut = NULL;
+  REFUSED(phymul_body_cut(body, block_size, block_size, NULL, block_size, &cut), PHYMUL_INVALID_ARGUMENT,
+          "of the front")
+  REFUSED(phymul_cut(sim, block_size, block_size, block_size, NULL, NULL), PHYMUL_INVALID_ARGUMENT, "of the front")
   phymul_step_report report = {.size = sizeof report, .steps = -1};
   REFUSED(phymul_step(sim, 1, 10.0, &report), PHYMUL_STEP_FAILED, "")
   HOLDS(report.steps == 0 && report.stable_step > 0)

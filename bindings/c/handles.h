@@ -38,6 +38,7 @@ struct phymul_simulation {
   phymul::ThreadState thread{};  // the last one that was handed out
   std::vector<int32_t> broken{}, slides{};
   std::vector<phymul_knot> knots{};
+  bool moved = false;  // particles may be elsewhere than at rest
 };
 
 struct phymul_snapshot {
@@ -103,6 +104,16 @@ std::span<const T> list(const T* data, int32_t count, const char* what) {
 inline Vec3 vector(const double* xyz, const char* what) {
   need(xyz, what);
   return {xyz[0], xyz[1], xyz[2]};
+}
+
+/// A plane, behind that of a front or, without one, everywhere.
+inline CutSurface cut_behind(const double* point, const double* normal, const double* front,
+                             const double* front_normal) {
+  CutSurface cut = cut_plane(vector(point, "a point"), vector(normal, "a normal"));
+  if (front || front_normal)
+    cut.front =
+        cut_plane(vector(front, "a point of the front"), vector(front_normal, "a normal of the front")).distance;
+  return cut;
 }
 
 VecList vectors(const double* data, int32_t count, const char* what);

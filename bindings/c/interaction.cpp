@@ -29,7 +29,7 @@ ToolPose pose_of(const phymul_pose* given) {
 
 Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
   const phymul_anchor from = options_of(given, "an anchor");
-  if (!from.particles) {
+  if (!from.particles && from.count == 0) {
     if (from.tool == 0) return at_world(vector(from.point, "a point"));
     const Scene& scene = scene_of(sim);
     return at_tool(name_of(scene.tools(), from.tool, "tool"), vector(from.point, "a point"));
@@ -42,6 +42,11 @@ Anchor anchor_of(phymul_simulation* sim, const phymul_anchor* given) {
 }  // namespace phymul::c
 
 namespace {
+
+/// [N] m, now. Empty at rest: then nothing needs the solver yet, whose choice depends on what is added.
+VecList places_of(phymul_simulation* sim) {
+  return sim->moved ? sim->simulation.solver().read().position : VecList{};
+}
 
 JointHandle joint_of(phymul_simulation* sim, uint64_t joint) {
   Scene& scene = scene_of(sim);
@@ -257,7 +262,8 @@ phymul_status phymul_joint_add(phymul_simulation* sim, const phymul_anchor* a, c
     Joint added{.stiffness = from.stiffness, .damping = from.damping, .slack = from.slack != 0};
     if (from.breaking != 0.0) added.breaking_force = from.breaking;
     added.springs.push_back({.a = anchor_of(sim, a), .b = anchor_of(sim, b), .rest_length = from.rest_length});
-    *joint = scene_of(sim).add_joint(std::move(added)).id();
+    Scene& scene = scene_of(sim);
+    *joint = scene.add_joint(std::move(added), places_of(sim)).id();
   });
 }
 
@@ -271,6 +277,8 @@ phymul_status phymul_attach(phymul_simulation* sim, const int32_t* particles, in
     if (from.breaking != 0.0) springs.breaking_stress = from.breaking;
     const auto patch = list(particles, count, "particles");
     Scene& scene = scene_of(sim);
+    const VecList places = places_of(sim);
+    springs.position = places;
     if (group) {
       *joint = scene.attach(patch, group, springs).id();
     } else if (tool != 0) {

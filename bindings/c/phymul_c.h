@@ -108,7 +108,8 @@ PHYMUL_API phymul_status phymul_body_wall(const double* vertices, int32_t vertex
                                           phymul_body** made);
 // From particles at `rest` and cells: types [cell_count], first [cell_count + 1] and particles [first[cell_count]], of
 // which cell i has those from first[i] to first[i + 1]. Without cells (cell_count 0, all three NULL) it is a body of
-// points with 20 neighbours each. The mesh is checked, and cells that are turned inside out are turned round.
+// points with 20 neighbours each. The mesh is checked, and cells that are turned inside out are turned round. Triangles
+// are for phymul_body_wall.
 PHYMUL_API phymul_status phymul_body_from_arrays(const double* rest, int32_t particle_count, const int32_t* types,
                                                  const int32_t* first, const int32_t* particles, int32_t cell_count,
                                                  phymul_body** made);
@@ -245,11 +246,12 @@ PHYMUL_API phymul_status phymul_forces(phymul_simulation* sim, const double** fo
 PHYMUL_API phymul_status phymul_set_state(phymul_simulation* sim, double time, const double* positions,
                                           const double* velocities);
 PHYMUL_API phymul_status phymul_snapshot_take(const phymul_simulation* sim, phymul_snapshot** made);
+// Brings tools, joints and threads back. Those that were removed since then have new numbers.
 PHYMUL_API phymul_status phymul_snapshot_restore(const phymul_snapshot* snapshot, phymul_simulation* sim);
 PHYMUL_API void phymul_snapshot_free(phymul_snapshot* snapshot);
 PHYMUL_API phymul_status phymul_save(const phymul_simulation* sim, const char* path);  // the state
 PHYMUL_API phymul_status phymul_load(phymul_simulation* sim, const char* path);
-PHYMUL_API phymul_status phymul_record(phymul_simulation* sim);  // from now on
+PHYMUL_API phymul_status phymul_record(phymul_simulation* sim);  // from now on: repeat new poses
 PHYMUL_API phymul_status phymul_save_recording(const phymul_simulation* sim, const char* path);
 PHYMUL_API phymul_status phymul_replay(phymul_simulation* sim, const char* path);
 PHYMUL_API phymul_status phymul_write_vtu(const phymul_simulation* sim, const char* path);

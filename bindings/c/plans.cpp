@@ -120,6 +120,6 @@ phymul_status phymul_plan_make(const phymul_plan* plan, int32_t which, phymul_si
     const PlanTrial* choice = choice_of(plan, which);
     if (!choice && plan->plan.kept) throw Error("the wishes are kept, so that there is PHYMUL_CHOSEN and no offer");
     // Without a choice make() throws, and names the offers.
-    *made = new phymul_simulation{choice ? plan->plan.make(*choice) : plan->plan.make()};
+    *made = new phymul_simulation{.simulation = choice ? plan->plan.make(*choice) : plan->plan.make(), .moved = true};
   });
 }

@@ -22,6 +22,12 @@ const Simulation& of(const phymul_simulation* handle) {
   return need(handle, "a simulation").simulation;
 }
 
+/// The same before what moves its particles.
+Simulation& moving(phymul_simulation* handle) {
+  need(handle, "a simulation").moved = true;
+  return handle->simulation;
+}
+
 /// Threads of the program.
 class Runner final : public TaskRunner {
  public:
@@ -46,6 +52,8 @@ SimulationOptions options_for(const phymul_options* given) {
   const phymul_options from = options_of(given, "options of a simulation");
   SimulationOptions options;
   if (from.material) options.material = material_of(from.material);
+  if (from.material && options.material == Material{})  // which C++ takes for none
+    throw Error("expected a material with a Young's modulus above 0, or NULL, got one of zeros");
   if (from.backend) options.backend = from.backend;
   options.damping.rate = from.damping_rate;
   if (from.step != 0.0) options.step = from.step;
@@ -85,8 +93,7 @@ template <class Step>
 phymul_status step_by(phymul_simulation* sim, phymul_step_report* report, Step&& step) {
   return guarded([&] {
     const auto place = place_if_wanted(report, "a report");
-    Simulation& simulation = of(sim);
-    const StepReport done = step(simulation);
+    const StepReport done = step(moving(sim));
     sim->message = done.message();
     if (place)
       place->fill({.size = 0,
@@ -138,7 +145,7 @@ phymul_status solve_static(phymul_simulation* sim, StaticOptions options, phymul
     const StaticOptions usual;
     if (options.tolerance == 0.0) options.tolerance = usual.tolerance;
     if (options.most_evaluations == 0) options.most_evaluations = usual.most_evaluations;
-    const StaticResult rest = of(sim).solve_static(options);
+    const StaticResult rest = moving(sim).solve_static(options);
     report_rest(sim, rest, place, {0, 0, 0, rest.evaluations, -1, of(sim).time(), rest.residual});
   });
 }
@@ -179,9 +186,7 @@ phymul_status phymul_remove_cells(phymul_simulation* sim, const int32_t* cells, 
 phymul_status phymul_cut(phymul_simulation* sim, const double point[3], const double normal[3],
                          const double* front_point, const double* front_normal, int32_t* whether) {
   return guarded([&] {
-    CutSurface cut = cut_plane(vector(point, "a point"), vector(normal, "a normal"));
-    if (front_point) cut.front = cut_plane(vector(front_point, "a point"), vector(front_normal, "a normal")).distance;
-    const bool parted = of(sim).cut(cut);
+    const bool parted = of(sim).cut(cut_behind(point, normal, front_point, front_normal));
     if (whether) *whether = parted ? 1 : 0;
   });
 }
@@ -252,7 +257,7 @@ phymul_status phymul_step(phymul_simulation* sim, int32_t steps, double dt, phym
 phymul_status phymul_run_to_rest(phymul_simulation* sim, int32_t most_steps, phymul_rest_report* report) {
   return guarded([&] {
     const auto place = place_if_wanted(report, "a report");
-    const RestResult rest = of(sim).run_to_rest(most_steps);
+    const RestResult rest = moving(sim).run_to_rest(most_steps);
     report_rest(sim, rest, place, {0, 0, 0, rest.report.steps, rest.collapsed, rest.report.time, rest.report.residual});
   });
 }
@@ -335,7 +340,7 @@ phymul_status phymul_set_state(phymul_simulation* sim, double time, const double
     state.time = time;
     if (positions) state.position = vectors(positions, model.particle_count(), "positions");
     if (velocities) state.velocity = vectors(velocities, model.particle_count(), "velocities");
-    of(sim).set_state(state);
+    moving(sim).set_state(state);
   });
 }
 
@@ -347,7 +352,7 @@ phymul_status phymul_snapshot_take(const phymul_simulation* sim, phymul_snapshot
 }
 
 phymul_status phymul_snapshot_restore(const phymul_snapshot* snapshot, phymul_simulation* sim) {
-  return guarded([&] { of(sim).restore(need(snapshot, "a snapshot").snapshot); });
+  return guarded([&] { moving(sim).restore(need(snapshot, "a snapshot").snapshot); });
 }
 
 void phymul_snapshot_free(phymul_snapshot* snapshot) {
@@ -359,7 +364,7 @@ phymul_status phymul_save(const phymul_simulation* sim, const char* path) {
 }
 
 phymul_status phymul_load(phymul_simulation* sim, const char* path) {
-  return guarded([&] { of(sim).load(&need(path, "a path")); });
+  return guarded([&] { moving(sim).load(&need(path, "a path")); });
 }
 
 phymul_status phymul_record(phymul_simulation* sim) {
@@ -371,7 +376,7 @@ phymul_status phymul_save_recording(const phymul_simulation* sim, const char* pa
 }
 
 phymul_status phymul_replay(phymul_simulation* sim, const char* path) {
-  return guarded([&] { of(sim).replay(read_recording(&need(path, "a path"))); });
+  return guarded([&] { moving(sim).replay(read_recording(&need(path, "a path"))); });
 }
 
 phymul_status phymul_write_vtu(const phymul_simulation* sim, const char* path) {

@@ -43,7 +43,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
             subprocess.run(["cmake", "-S", root, "-B", build, "-DCMAKE_BUILD_TYPE=Release", *parts], check=True)
         subprocess.run(["cmake", "--build", build, "--target", "python_wheel", "--parallel", str(os.cpu_count())],
                        check=True)
-        wheel, = build.glob("phymul-*.whl")
+        wheel = max(build.glob("phymul-*.whl"), key=lambda file: file.stat().st_mtime)  # earlier versions stay there
         shutil.copy(wheel, wheel_directory)
         return wheel.name
 

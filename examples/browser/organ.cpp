@@ -155,7 +155,6 @@ void Organ::advance(double wall_time) {
     }
   }
   count(steps, wall_time);
-  if (wall_time > 0.0) share_stepping_ += 0.1 * ((seconds_now() - begin) / wall_time - share_stepping_);
 }
 
 void Organ::count(int steps, double wall_time) {

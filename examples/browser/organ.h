@@ -62,11 +62,10 @@ class Organ {
   const phymul::Solver& solver() const { return *solver_; }
   const phymul::Model& model() const { return *model_; }
   const std::string& failure() const { return failure_; }
-  double time() const { return time_; }                           ///< s
-  double steps_per_second() const { return rate_; }               ///< of the last half second
-  double speed() const { return rate_ * dt_; }                    ///< simulated seconds in a second
-  double largest_displacement() const;                            ///< m, of a point of the surface
-  double mean_share_stepping() const { return share_stepping_; }  ///< of the time between pictures
+  double time() const { return time_; }              ///< s
+  double steps_per_second() const { return rate_; }  ///< of the last half second
+  double speed() const { return rate_ * dt_; }       ///< simulated seconds in a second
+  double largest_displacement() const;               ///< m, of a point of the surface
 
  private:
   phymul::Camera camera(int width, int height) const;
@@ -82,7 +81,7 @@ class Organ {
   std::unique_ptr<phymul::Solver> solver_;
   std::unique_ptr<phymul::Display> display_;  // looks at the solver
   double dt_ = 0.0, time_ = 0.0, owed_ = 0.0;
-  double rate_ = 0.0, counted_time_ = 0.0, share_stepping_ = 0.0;
+  double rate_ = 0.0, counted_time_ = 0.0;
   int counted_steps_ = 0;
   std::string failure_;
 

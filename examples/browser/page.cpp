@@ -178,7 +178,6 @@ EMSCRIPTEN_KEEPALIVE const char* page_status() {
   add("time", organ->time());
   add("stepsPerSecond", organ->steps_per_second());
   add("speed", organ->speed());
-  add("shareStepping", organ->mean_share_stepping());
   add("held", organ->holds() ? 1.0 : 0.0);
   add("pull", organ->last_pull().displacement.norm());
   add("moved", organ->largest_displacement());

@@ -26,7 +26,7 @@ function later(text, work) {
     const good = work();
     if (good) say('');
     else say(failure(), true);
-    state.ready = true;
+    state.ready = good || Boolean(state.status);  // with the organ before, if there is one
     resolve(good);
   }, 0)));
 }
@@ -45,7 +45,7 @@ async function fill() {
   try {
     bytes = new Uint8Array(await (ownFile || await fetch(organ)).arrayBuffer());
   } catch (error) {
-    state.ready = true;  // with the organ before
+    state.ready = Boolean(state.status);
     return say(`${organ}: ${error.message}`, true);
   }
   return later('Filling the surface ...', () => {
@@ -67,16 +67,19 @@ async function takeFile() {
   ownFile = $('file').files[0];
   if (!ownFile) return;
   const view = new DataView(await ownFile.arrayBuffer());
-  let low = Infinity, high = -Infinity;
-  for (let k = 84; k + 50 <= view.byteLength; k += 50) {
-    const x = view.getFloat32(k + 12, true);
-    low = Math.min(low, x);
-    high = Math.max(high, x);
+  let size = 0;
+  for (const axis of [0, 1, 2]) {
+    let low = Infinity, high = -Infinity;
+    for (let k = 84; k + 50 <= view.byteLength; k += 50) {
+      const at = view.getFloat32(k + 12 + 4 * axis, true);
+      low = Math.min(low, at);
+      high = Math.max(high, at);
+    }
+    if (high - low > size) size = high - low;
   }
-  const size = high > low ? high - low : 100;
   if (!$('organ').querySelector('[value=own]')) $('organ').append(new Option('your file', 'own'));
   $('organ').value = 'own';
-  offerSpacings([12, 18, 24, 32].map((n) => Number((size / n).toPrecision(2))));
+  offerSpacings([12, 18, 24, 32].map((n) => Number(((size || 100) / n).toPrecision(2))));
   await fill();
 }
 
@@ -108,8 +111,9 @@ function listen() {
     else call('page_move', null, four, place(event));
   });
   const letGo = () => {
+    const held = canvas.classList.contains('held');
     canvas.classList.remove('held');
-    if (turning || !state.status || !state.status.held) return;
+    if (!held) return;
     call('page_release', null, [], []);
     compare();
   };
@@ -122,7 +126,7 @@ function listen() {
   }, {passive: false});
   $('organ').addEventListener('change', () => { ownFile = null; offerSpacings(); fill(); });
   $('spacing').addEventListener('change', fill);
-  $('backend').addEventListener('change', () =>
+  $('backend').addEventListener('change', () => state.status &&
     later('Changing ...', () => call('page_use', 'number', ['string'], [$('backend').value])));
   $('file').addEventListener('change', takeFile);
   $('reset').addEventListener('click', () => state.ready && call('page_reset', null, [], []));

@@ -4,12 +4,19 @@
 #include <utility>
 
 StudyCrew::StudyCrew(int threads, const std::function<SceneWork()>& make_work) {
-  for (int k = 0; k < threads; ++k) {
-    threads_.emplace_back([this, solve = make_work()] { work(solve); });
+  try {
+    for (int k = 0; k < threads; ++k) threads_.emplace_back([this, solve = make_work()] { work(solve); });
+  } catch (...) {
+    close();  // a thread that nobody has joined would end the program
+    throw;
   }
 }
 
 StudyCrew::~StudyCrew() {
+  close();
+}
+
+void StudyCrew::close() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;

@@ -36,6 +36,7 @@ class StudyCrew {
 
  private:
   void work(const SceneWork& solve);
+  void close();
 
   std::mutex mutex_;
   std::condition_variable submitted_, solved_;

@@ -24,7 +24,9 @@ using Words = std::vector<std::string>;
 Words split(const std::string& line) {
   std::istringstream in(line);
   Words words;
-  for (std::string word; in >> std::ws && in.peek() != '#' && in >> std::quoted(word);) words.push_back(word);
+  for (std::string word; in >> std::ws && in.peek() != '#' && !in.eof(); words.push_back(word)) {
+    if (!(in >> std::quoted(word))) throw phymul::Error("expected a second \" at the end of the word");
+  }
   return words;
 }
 
@@ -68,6 +70,7 @@ StudyParameter read_parameter(const Words& w) {
   } else if (w[2] == "range") {
     require(v.size() == 3, "from to count");
     const int count = whole_number(w[5], 2, "the count");
+    require(count <= 10'000'000, "from to count, count at most 1e7");
     std::vector<double> values;
     for (int k = 0; k < count; ++k) values.push_back(v[0] + (v[1] - v[0]) * k / (count - 1));
     it.values = values;
@@ -209,10 +212,8 @@ Study read_study(const std::string& path, bool with_displacements) {
   int line = 0;
   for (std::string text; std::getline(in, text);) {
     ++line;
-    const Words words = split(text);
-    if (words.empty()) continue;
     try {
-      read_line(words, line, study);
+      if (const Words words = split(text); !words.empty()) read_line(words, line, study);
     } catch (const phymul::Error& error) {
       fail_at(path, line, error.what());
     }

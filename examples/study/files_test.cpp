@@ -94,6 +94,8 @@ TEST(StudyFile, RefusesWithFileLineAndWhatWasExpected) {
       {good + "parameter E gauss 1 2\n", "got \"gauss\""},
       {good + "parameter E range 1 2 1\n", "a.study:3: expected the count, a whole number of 2 to 1e9, got 1"},
       {good + "parameter E range 1 2 2.5\n", "a whole number of 2 to 1e9, got 2.5"},
+      {good + "parameter E range 1 2 1e9\n", "a.study:3: expected: parameter NAME range from to count, count at most"},
+      {good + "run --fix \"fixed side\n", "a.study:3: expected a second \" at the end of the word"},
       {good + "parameter E uniform 2 1\n", "from < to"},
       {good + "parameter E normal 2 0\n", "deviation > 0"},
       {good + "parameter E lognormal 2 1\n", "factor > 1"},
@@ -125,6 +127,7 @@ TEST(StudyFile, RefusesWithFileLineAndWhatWasExpected) {
     EXPECT_NE(error.find(expected), std::string::npos) << text << "\ngave: " << error;
   }
   EXPECT_NE(error_of([&] { read_study(folder.file("")); }).find("expected a study file"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_measurement(folder.file(""), true); }).find("expected a file of"), std::string::npos);
 }
 
 TEST(StudyFile, NamesTheLineOfAnExpressionThatHasNoValue) {

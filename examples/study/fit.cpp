@@ -39,12 +39,12 @@ class Residuals {
     if (ahead_) {
       for (VectorXd& place : around(x)) places.push_back(std::move(place));
     }
-    residual = at(places).front();
+    residual = at(places, 1).front();
     return 0;
   }
 
   int df(const VectorXd& x, MatrixXd& jacobian) const {
-    const std::vector<VectorXd> sides = at(around(x));
+    const std::vector<VectorXd> places = around(x), sides = at(places, places.size());
     for (int k = 0; k < inputs(); ++k) jacobian.col(k) = (sides[2 * k] - sides[2 * k + 1]) / (2.0 * difference);
     return 0;
   }
@@ -58,7 +58,8 @@ class Residuals {
     return places;
   }
 
-  std::vector<VectorXd> at(const std::vector<VectorXd>& places) const {
+  /// Of the first `wanted` places. One of the others may have no result: the search may never need it.
+  std::vector<VectorXd> at(const std::vector<VectorXd>& places, std::size_t wanted) const {
     std::vector<std::vector<double>> scenes;
     for (const VectorXd& x : places) {
       const VectorXd values = x.array().exp();
@@ -66,7 +67,7 @@ class Residuals {
     }
     const std::vector<SceneResult> results = evaluate_(scenes);
     std::vector<VectorXd> found;
-    for (std::size_t k = 0; k < results.size(); ++k) found.push_back(residual(scenes[k], results[k]));
+    for (std::size_t k = 0; k < wanted; ++k) found.push_back(residual(scenes[k], results[k]));
     return found;
   }
 

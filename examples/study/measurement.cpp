@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -41,7 +42,7 @@ std::vector<double> numbers_of(const std::string& path, int row, const std::stri
 
 Measurement read_measurement(const std::string& path, bool with_displacements) {
   std::ifstream in(path);
-  if (!in) {
+  if (!in || std::filesystem::is_directory(path)) {
     throw phymul::Error(phymul::ErrorCode::file_access, path + ": expected a file of measured displacements", path);
   }
   Measurement result;

@@ -30,6 +30,7 @@ using Scenes = std::vector<std::vector<double>>;
 void enter_folder_of(StudyOptions& options) {
   options.out = std::filesystem::absolute(options.out).string();
   const std::filesystem::path study = std::filesystem::absolute(options.study);
+  if (!std::filesystem::exists(study)) throw phymul::Error(options.study + ": expected a study file that can be read");
   std::filesystem::current_path(study.parent_path());
   options.study = study.filename().string();
 }

@@ -91,6 +91,7 @@ study(1 "^phymul-study: group.study:2: .*no_such_group" ${STUDY} group.study --o
 study(1 "^phymul-study: option.study:2: .*--young" ${STUDY} option.study --out none)
 study(1 "^phymul-study: away.study:1: " ${STUDY} away.study --out none)
 study(1 "^phymul-study: no.study: expected a study file that can be read" ${STUDY} no.study --out none)
+study(1 "^phymul-study: none/no.study: expected a study file that can be read" ${STUDY} none/no.study --out none)
 study(1 "--show: expected a scene of 1 to 24, got 25" ${STUDY} sampled.study --show 25)
 study(1 "--synthesise: expected a value of top" ${STUDY} fit.study --synthesise tissue=1)
 study(2 "scene 2 has no result: .*0.6" ${STUDY} ratio.study --out ratio)

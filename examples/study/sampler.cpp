@@ -71,7 +71,8 @@ std::vector<std::vector<double>> study_table(const Study& study) {
     if (it.spread == Spread::list) combinations *= it.values.size();
     if (it.spread != Spread::list) ++sampled;
     if (combinations > most / each) {
-      fail_at(study.file, it.line, "expected at most " + std::to_string(most) + " scenes in all; shorten the lists");
+      fail_at(study.file, it.line,
+              "expected at most " + std::to_string(most) + " scenes in all; shorten the lists, or take fewer samples");
     }
   }
   const auto shares = latin_hypercube(static_cast<int>(each), sampled, study.seed);

@@ -55,6 +55,10 @@ add_test(NAME example.phymul_study_killed
 add_test(NAME example.phymul_study_silicone  # a measured body: docs/guide/studies.md
          COMMAND phymul-study ${PROJECT_SOURCE_DIR}/examples/studies/silicone_beam.study
                  --out ${CMAKE_CURRENT_BINARY_DIR}/silicone_out)
+add_test(NAME example.phymul_study_stiffness  # of the body that gave the measured file, with 4000 and 12000 Pa
+         COMMAND phymul-study ${PROJECT_SOURCE_DIR}/examples/studies/bean_stiffness.study
+                 --out ${CMAKE_CURRENT_BINARY_DIR}/stiffness_out)
+set_tests_properties(example.phymul_study_stiffness PROPERTIES PASS_REGULAR_EXPRESSION "tissue = (39|40).*tumour = 1[12]")
 set_tests_properties(example.phymul_study_silicone PROPERTIES PASS_REGULAR_EXPRESSION "silicone = 2[.]7[01]")
 set_tests_properties(example.phymul_study PROPERTIES FIXTURES_SETUP studies
                                                      ENVIRONMENT "${mpi_environment}"

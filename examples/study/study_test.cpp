@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "crew.h"
 #include "fit.h"
 #include "sampler.h"
 #include "tables.h"
@@ -209,6 +210,30 @@ TEST(StudyFit, AskingAheadChangesNoBit) {
   }
 }
 
+/// The search tries a place and turns back; beyond it, where only derivatives there would look, nothing has a result.
+TEST(StudyFit, AskingAheadNeedsNoSceneThatTheSearchDoesNotNeed) {
+  Study study;
+  study.unknowns = {{"a", std::exp(2.0), 1}};
+  study.measurement.deviation = 1.0;
+  study.measurement.point.resize(1);
+  study.measurement.displacement.emplace_back(0, 0, 0);
+  double farthest = 0.0, end = -HUGE_VAL;  // logarithms
+  const SceneEvaluator bent = [&](const std::vector<std::vector<double>>& scenes) {
+    std::vector<SceneResult> results;
+    for (const auto& scene : scenes) {
+      const double x = std::log(scene[0]);
+      farthest = std::min(farthest, x);
+      results.push_back({.failure = x < end ? "folded" : "", .values = {std::atan(x), 0, 0}});
+    }
+    return results;
+  };
+  const StudyFit alone = fit_unknowns(study, bent, false);
+  EXPECT_LT(farthest, -3.0);
+  end = farthest - 0.005;
+  const StudyFit ahead = fit_unknowns(study, bent, true);
+  EXPECT_EQ(ahead.unknowns[0].value, alone.unknowns[0].value);
+}
+
 TEST(StudyFit, SaysWhatTheMeasurementDoesNotDetermine) {
   TwoSprings springs(1);
   const SceneEvaluator blind = [](const std::vector<std::vector<double>>& scenes) {
@@ -222,6 +247,15 @@ TEST(StudyFit, SaysWhatTheMeasurementDoesNotDetermine) {
   } catch (const phymul::Error& error) {
     EXPECT_NE(std::string(error.what()).find("do not determine b;"), std::string::npos) << error.what();
   }
+}
+
+TEST(StudyCrew, EndsWithoutThoseThreadsThatCouldNotBeMade) {
+  int made = 0;
+  const auto make_work = [&made]() -> SceneWork {
+    if (++made == 3) throw phymul::Error("no third one");
+    return [](const std::vector<double>&) { return SceneResult(); };
+  };
+  EXPECT_THROW(StudyCrew(4, make_work), phymul::Error);
 }
 
 TEST(StudyFit, SaysWhichSceneHasNoResult) {

@@ -149,6 +149,7 @@ class SolverBackend : public Solver {
   virtual void do_read(State& state) const = 0;
   virtual Energy do_energy() const = 0;
   virtual double do_time() const = 0;
+  virtual bool do_pass_time(double) { return false; }  ///< s: the state is as much later; false: it is not
   virtual std::string do_device() const = 0;
   // Optional: access without waiting or without a copy. The defaults use read().
   virtual void do_request_read();
@@ -208,6 +209,7 @@ class SolverBackend : public Solver {
   std::uint64_t scene_version_ = 0, values_version_ = 0;
   std::optional<Index> loose_;            // RestResult's, of the scene of these versions; empty: not yet looked for
   double growth_ = 0.0, speed_ = 0.0;     // Snapshot's
+  double dt_before_ = 0.0;                // s, of the last call; 0: there was none
   Index first_beyond_ = -1;               // StepReport's
   double beyond_since_ = 0.0;             // s
   std::optional<bool> all_held_;          // of the scene of these versions; empty: not yet looked for

@@ -157,7 +157,8 @@ struct Model {
   /// Those whose rest positions it accepts, sorted; without spare ones (with_spare_particles).
   std::vector<Index> particles_in(const Contains& contains) const;
   /// Rows of the cells, but those that are removed, whose centre (mean of their vertices) at these positions, [N] m, it
-  /// accepts; at rest, where there are none. Throws Error for another number of positions.
+  /// accepts; at rest, where there are none. Where cells fill space or are of walls, of these alone: mesh files also
+  /// have faces and edges of them. Throws Error for another number of positions.
   std::vector<Index> cells_in(const Contains& contains, std::span<const Vec3> position = {}) const;
 
   /// Adds a component with these particles, not exclusive; returns *this. Throws Error for an empty name or a particle

@@ -200,7 +200,6 @@ class ReferenceSolver final : public SolverBackend {
   static RestThresholds rest_now(const StepPlan& plan, const Motion& /*motion*/) {
     return {plan.speed_at_rest, plan.acceleration_at_rest};
   }
-
   void do_read(State& state) const override {
     state = state_;
     tools_.read(scene(), state);
@@ -212,6 +211,7 @@ class ReferenceSolver final : public SolverBackend {
   const ThreadState& do_thread_state(std::size_t row) const override { return tools_.thread(scene().threads()[row]); }
   const FluidState& do_fluid(std::size_t row) const override { return touching_.fluid(scene(), row); }
   double do_time() const override { return state_.time; }
+  bool do_pass_time(double seconds) override { return (state_.time += seconds, true); }
   std::string do_device() const override { return "one processor core, double precision"; }
   ParticleBuffer do_position_buffer() const override { return {.position = state_.position}; }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <utility>
 
 namespace phymul {
 namespace {
@@ -127,11 +128,13 @@ Vec3 BladeEdge::line_at(const ToolFrame& frame, Index place) const {
 void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& end) {
   if (!looks_ || static_cast<Index>(next_.size()) == count_) return;
   Vec3 low = edge_at(end, 0), high = low;
-  for (Index place = 1; place < count_; ++place) {
+  double farthest = 0.0;  // m
+  for (Index place = 0; place < count_; ++place) {
     low = low.cwiseMin(edge_at(end, place));
     high = high.cwiseMax(edge_at(end, place));
+    farthest = std::max(farthest, farthest_front * spacing_ * way_at(end, place).norm());
   }
-  look_around(touched, low, high);
+  look_around(touched, low, high, farthest);
   const std::size_t held = next_.size();
   for (Index place = 0; place < count_ && !near_.empty(); ++place) {
     const auto known =
@@ -171,8 +174,8 @@ void BladeEdge::find_tissue(const TouchedParticles& touched, const ToolFrame& en
   if (next_.size() > held) std::ranges::sort(next_, {}, &Point::place);
 }
 
-/// near_: sites with tissue around a box.
-void BladeEdge::look_around(const TouchedParticles& touched, const Vec3& low, const Vec3& high) {
+/// near_: sites with tissue that may reach into a box, or come as near to it as `ahead`, m.
+void BladeEdge::look_around(const TouchedParticles& touched, const Vec3& low, const Vec3& high, double ahead) {
   near_.clear();
   found_.clear();
   touched.step().find({.low = low.array() - longest_, .high = high.array() + longest_}, found_);
@@ -180,12 +183,13 @@ void BladeEdge::look_around(const TouchedParticles& touched, const Vec3& low, co
   for (const Index i : found_) {
     const Index place = place_of(i);
     if (place >= static_cast<Index>(sites_at_.size())) continue;
-    around_.insert(around_.end(), sites_at_[place].begin(), sites_at_[place].end());
+    for (const Index site : sites_at_[place]) {
+      if (std::exchange(is_around_[site], 1) == 0) around_.push_back(site);
+    }
   }
   std::ranges::sort(around_);
-  const auto again = std::ranges::unique(around_);
-  around_.erase(again.begin(), again.end());
   for (const Index site : around_) {
+    is_around_[site] = 0;
     if (!has_tissue(sites_[site])) continue;
     Near near{.site = site, .corners = corners_of(sites_[site], [&](Index i) { return touched.end(i); })};
     for (const Vec3& corner : near.corners) {
@@ -197,6 +201,7 @@ void BladeEdge::look_around(const TouchedParticles& touched, const Vec3& low, co
       near.low.array() -= spacing_;
       near.high.array() += spacing_;
     }
+    if ((near.low.array() > high.array() + ahead).any() || (near.high.array() < low.array() - ahead).any()) continue;
     near_.push_back(near);
   }
 }

@@ -110,7 +110,7 @@ class BladeEdge {
   void look_for_sides(const TouchedParticles& touched, const ToolFrame& end);
   void add_sides(std::vector<BladePoint>& state) const;
   void rub(TouchedParticles& touched, const ToolFrame& start, const ToolFrame& end, ToolForce& force);
-  void look_around(const TouchedParticles& touched, const Vec3& low, const Vec3& high);
+  void look_around(const TouchedParticles& touched, const Vec3& low, const Vec3& high, double ahead);
   void find_tissue(const TouchedParticles& touched, const ToolFrame& end);
   bool couple(TouchedParticles& touched, const Point& point, const ToolFrame& end, Acting& acting) const;
 
@@ -131,6 +131,7 @@ class BladeEdge {
   std::vector<Acting> acting_;                       // of next_
   bool looks_ = true;
   std::vector<Index> found_, around_;  // particles, sites
+  std::vector<char> is_around_;        // by site
   std::vector<Index> pushed_;          // particles, in this step
   struct Near {
     Index site = -1;

@@ -62,7 +62,7 @@ void BladeEdge::look_for_sides(const TouchedParticles& touched, const ToolFrame&
     low = low.cwiseMin(end.outside(side.place));
     high = high.cwiseMax(end.outside(side.place));
   }
-  look_around(touched, low, high);
+  look_around(touched, low, high, spacing_);
   for (Side& side : sides_) {
     const Vec3 x = end.outside(side.place);
     for (const Near& near : near_) {

@@ -52,6 +52,7 @@ void BladeEdge::build() {
     }
   }
   if (sites_.empty()) return;
+  is_around_.assign(sites_.size(), 0);
   // Rows of cuts go when these are undone: follow_body() has those behind the last site.
   for (Site& site : sites_) std::erase_if(site.further, [&](Index row) { return row >= rows_; });
   const auto places = static_cast<double>(place_at_.size());

@@ -14,9 +14,18 @@ constexpr double room_in_edges = 1.0;
 /// Below it, of the thickness, squared, depth_after() looks at the end alone.
 constexpr double short_way = 0.2499;
 
+/// Whether a straight way stays beyond one face of a box.
+bool passes_beside(const ShapeIn<double>& box, const Vector3<double>& from, const Vector3<double>& to) {
+  const auto beyond = [&box](double a, double b, double half) {
+    return std::min(a, b) > half + box.margin || std::max(a, b) < -half - box.margin;
+  };
+  return beyond(from.x, to.x, box.size.x) || beyond(from.y, to.y, box.size.y) || beyond(from.z, to.z, box.size.z);
+}
+
 /// As depth_after(): most ways are too short to pass through the tool.
 Depth<double> depth_of(const ShapeIn<double>& shape, const Vector3<double>& from, const Vector3<double>& to,
                        const Vector3<double>& way) {
+  if (shape.kind == ShapeKind::box && passes_beside(shape, from, to)) return {};
   if (inner_product(way, way) > short_way * shape.thickness * shape.thickness) return depth_after(shape, from, to, way);
   const Distance<double> end = distance_to(shape, to);
   return {-end.phi, end.normal};
@@ -226,11 +235,13 @@ Depth<double> SurfacePress::depth_in(const ShapeIn<double>& shape, const Pressed
   return point.box ? depth_below(*point.box, to) : depth_of(shape, point.from, to, to - point.from);
 }
 
-/// Particles take nothing before hand_over(). Whether there is something for them.
-bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt) {
-  if (!(point.inverse_mass > 0.0)) return false;
+/// Particles take nothing before hand_over(). m, how deep the point was; 0: there is nothing for them.
+double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point,
+                           double dt) {
+  if (!(point.inverse_mass > 0.0)) return 0.0;
+  if (point.box && !law.placed) return press_below(*point.box, law.compliance, point, dt);
   const Depth<double> in = depth_in(shape, point);
-  if (!(in.depth > 0.0)) return false;
+  if (!(in.depth > 0.0)) return 0.0;
   ContactLaw<double> own_law = law;
   own_law.friction = 0.0;             // rub(): so the point's way does not count
   own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
@@ -240,7 +251,24 @@ bool SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>&
     corner.impulse += point.share[c] * packed(touch.impulse);
     corner.shift += point.share[c] / point.inverse_mass * packed(touch.shift);
   }
-  return true;
+  return in.depth;
+}
+
+/// The same for a point of PointsInBox, in few operations: its normals are the box's axes.
+double SurfacePress::press_below(const BoxPlanes& box, double compliance, const Pressed& point, double dt) {
+  Corner &a = corners_[point.corner.row[0]], &b = corners_[point.corner.row[1]], &c = corners_[point.corner.row[2]];
+  const double of_a = point.share[0], of_b = point.share[1], of_c = point.share[2];
+  const Vec3 off = of_a * a.to + of_b * b.to + of_c * c.to - 0.5 * (box.low + box.high);
+  const Vec3 above = off.cwiseAbs() - 0.5 * (box.high - box.low);
+  const int axis = above[0] >= above[1] && above[0] >= above[2] ? 0 : above[1] >= above[2] ? 1 : 2;
+  const double depth = -above[axis];
+  if (!(depth > 0.0)) return 0.0;
+  const double size = depth * dt / (compliance * point.crowd + dt * dt * point.inverse_mass);
+  const double impulse = off[axis] < 0.0 ? -size : size;
+  a.impulse[axis] += of_a * impulse;
+  b.impulse[axis] += of_b * impulse;
+  c.impulse[axis] += of_c * impulse;
+  return depth;
 }
 
 /// An impulse and a shift, in the tool's frame, to a particle that can take it.
@@ -284,15 +312,17 @@ void SurfacePress::rub(double friction, const ToolFrame& end, TouchedParticles& 
   }
 }
 
-void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
-                       const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
+/// m: how deep the points were that touch.
+double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
+                               const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
   const double dt = touched.dt();
-  if (!knows_near(shape, start, end, touched)) find_near(shape, start, end, touched);
   find_pressed(shape, start, end, touched);
+  double deepest = 0.0;
   for (int round = 0; round < rounds_of_surface(law.placed, shape.kind); ++round) {
-    bool any = false;
-    for (const Pressed& point : pressed_) any |= press(shape, law, point, dt);
-    if (!any) break;
+    double deep = 0.0;
+    for (const Pressed& point : pressed_) deep = std::max(deep, press(shape, law, point, dt));
+    if (deep == 0.0) break;
+    deepest = std::max(deepest, deep);
     hand_over(end, touched);
     if (law.friction > 0.0) rub(law.friction, end, touched);
   }
@@ -301,6 +331,17 @@ void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& l
     if (corner.given == Vec3::Zero()) continue;
     TouchedParticles::Touched& particle = touched[corner.slot];
     react(force, end, particle.position, corner.given + dt * TouchedParticles::borne(particle, corner.given), dt);
+  }
+  return deepest;
+}
+
+void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
+                       const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
+  if (!knows_near(shape, start, end, touched)) find_near(shape, start, end, touched);
+  const double first = press_all(shape, law, start, end, touched, force);
+  if (!law.placed || !lets_surface_out(touched.dt(), touched.last_dt())) return;
+  const double may_stay = first * std::pow(touched.dt() / touched.last_dt(), 2);
+  for (int again = 0; again < most_again && press_all(shape, law, start, end, touched, force) > may_stay; ++again) {
   }
 }
 

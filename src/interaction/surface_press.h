@@ -40,11 +40,14 @@
 
 namespace phymul {
 
-/// Whether a step is much shorter than the last one. The rounds of a long step leave points inside by more than those
-/// of a short one, which would push them out with a blow; as if the tool had been put over them they come out without.
+/// Whether a step is much shorter than the last one. What a step leaves inside goes with the square of its length. The
+/// short steps that follow would push out what is deeper with a blow. As if the tool had been put over it, it comes out
+/// without one, in rounds that look anew for what touches, until no more is left than a short step leaves.
 constexpr bool lets_surface_out(double dt, double last_dt) {
   return dt < 0.7 * last_dt;
 }
+
+constexpr int most_again = 50;  ///< times that they look anew
 
 /// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
 /// with speed. At a box few points act, which leave more in a round.
@@ -74,13 +77,16 @@ class SurfacePress {
 
  private:
   struct Corner {  // a particle, in the tool's frame
+    // m, of its way in this step, with the impulses of past rounds; N s, of this round. Beside each other, because each
+    // point of each round needs these alone.
+    Vec3 to{0, 0, 0}, impulse{0, 0, 0};
+    Vec3 shift{0, 0, 0};  // kg m, of this round
+    Vec3 from{0, 0, 0};   // m
     Index row = -1;
     std::size_t slot = 0;                    // where load is not 0; likewise inverse_mass
-    Vec3 from{0, 0, 0}, to{0, 0, 0};         // m, of its way in this step, with the impulses of past rounds
     double inverse_mass = 0.0;               // 1/kg, 0 where it is imposed or held
     double area = 0.0;                       // m^2, that it stands for where triangles are pressed at their corners
     double load = 0.0;                       // m^3: sum over the points that touch of share times load
-    Vec3 impulse{0, 0, 0}, shift{0, 0, 0};   // N s and kg m, of this round
     Vec3 pressed{0, 0, 0}, rubbed{0, 0, 0};  // N s, of all rounds: by points, and by friction
     Vec3 given{0, 0, 0};                     // N s, of all rounds, in the world
   };
@@ -116,7 +122,10 @@ class SurfacePress {
   Depth<double> depth_in(const ShapeIn<double>& shape, const Pressed& point) const;
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);
-  bool press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
+  double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
+  double press_below(const BoxPlanes& box, double compliance, const Pressed& point, double dt);
+  double press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
+                   const ToolFrame& end, TouchedParticles& touched, ToolForce& force);
   void hand_over(const ToolFrame& end, TouchedParticles& touched);
   void rub(double friction, const ToolFrame& end, TouchedParticles& touched);
   static void give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,

@@ -152,9 +152,12 @@ std::vector<Index> Model::cells_in(const Contains& contains, std::span<const Vec
     throw Error("Model::cells_in: expected " + std::to_string(rest.size()) + " positions or none, got " +
                 std::to_string(position.size()));
   }
+  const auto of_tissue = [this](const Cell& cell) { return is_tissue(*this, cell); };
+  const bool has_tissue = std::ranges::any_of(cells, of_tissue);
   std::vector<Index> rows;
   for (std::size_t row = 0; row < cells.size(); ++row) {
     if (cells[row].share == 0.0 || cells[row].particles.empty()) continue;
+    if (has_tissue && !of_tissue(cells[row])) continue;
     if (contains(cell_centre(cells[row], position))) rows.push_back(static_cast<Index>(row));
   }
   return rows;

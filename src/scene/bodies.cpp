@@ -107,9 +107,22 @@ void append_components(Model& all, const NamedBody& body, Index first, Index fir
   all.components.push_back(std::move(own));
 }
 
-/// Lists only name particles.
-bool joins(const Cell& cell, char is_joint) {
-  return cell_size(cell.type) != 0 && cell.share != 0.0 && is_joint == 0;
+/// [cells] Whether it joins its particles. Lists only name them; so do faces and edges of a mesh file that lie on
+/// tissue, or on what was removed: they hold nothing together that a cut parts.
+std::vector<char> joining_cells(const Model& model) {
+  std::vector<char> in_tissue(model.rest.size(), 0);
+  for (const Cell& cell : model.cells) {
+    if (!is_tissue(model, cell)) continue;
+    for (const Index i : cell.particles) in_tissue[i] = 1;
+  }
+  std::vector<char> joins = interaction_cells(model);
+  for (std::size_t row = 0; row < joins.size(); ++row) {
+    const Cell& cell = model.cells[row];
+    const auto is_in_tissue = [&](Index i) { return in_tissue[i] != 0; };
+    joins[row] = joins[row] == 0 && cell_size(cell.type) != 0 && cell.share != 0.0 &&
+                 (is_tissue(model, cell) || !std::ranges::all_of(cell.particles, is_in_tissue));
+  }
+  return joins;
 }
 
 }  // namespace
@@ -156,9 +169,9 @@ BodyRows body_rows(const Model& model) {
   for (Index i = 0; whole && i < model.neighbours.rows(); ++i) {
     for (const Index* j = model.neighbours.begin(i); j != model.neighbours.end(i); ++j) sets.join(i, *j);
   }
-  const std::vector<char> joints = interaction_cells(model);
+  const std::vector<char> joins = joining_cells(model);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
-    if (!joins(model.cells[row], joints[row])) continue;
+    if (joins[row] == 0) continue;
     for (const Index i : model.cells[row].particles) sets.join(model.cells[row].particles.front(), i);
   }
   BodyRows rows{std::vector<Index>(model.rest.size(), -1), 0};
@@ -178,10 +191,10 @@ std::vector<ConnectedBody> connected_bodies(const Model& model) {
   for (Index i = 0; i < model.particle_count(); ++i) {
     if (rows.of[i] >= 0) bodies[rows.of[i]].particles.push_back(i);
   }
-  const std::vector<char> joints = interaction_cells(model);
+  const std::vector<char> joins = joining_cells(model);
   for (std::size_t row = 0; row < model.cells.size(); ++row) {
     const Cell& cell = model.cells[row];
-    if (!joins(cell, joints[row])) continue;
+    if (joins[row] == 0) continue;
     Index own = -1;
     for (const Index i : cell.particles) own = std::max(own, rows.of[i]);
     if (own < 0) continue;  // a triangle that lies where all is removed

@@ -45,8 +45,7 @@ constexpr const char* no_needles =
     "the scene has a needle, which this backend does not take; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_surfaces =
     "the scene has a Blade or a tool with ToolContact::surface, which this backend does not take; use \"cpu\", "
-    "\"gl-compute\" or "
-    "\"reference\"";
+    "\"gl-compute\" or \"reference\"";
 constexpr const char* no_volumes =
     "the scene keeps volumes, which this backend does not do; use \"cpu\", \"gl-compute\" or \"reference\"";
 constexpr const char* no_joints =
@@ -161,7 +160,7 @@ void SolverBackend::reset(const State& given) {
   do_reset(state);
   joints_->reset(state);
   bring_back_reports({});
-  growth_ = growth_of_state_ = speed_ = 0.0;
+  growth_ = growth_of_state_ = speed_ = dt_before_ = 0.0;
   first_beyond_ = -1;
 }
 
@@ -300,6 +299,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   growth_ = snapshot.growth;
   first_beyond_ = -1;
   speed_ = snapshot.max_speed;
+  dt_before_ = snapshot.last_dt;
   growth_of_state_ = 0.0;
 }
 

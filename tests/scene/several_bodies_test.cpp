@@ -195,5 +195,24 @@ TEST(SeveralBodies, OfACutAlongFacesAreTwo) {
   EXPECT_EQ(surface.of(sim.scene())->body_of, make_contact_surface(sim.model()).body_of);
 }
 
+/// As mesh files have them. Their corners stay with either side of a cut, or with what is removed.
+TEST(SeveralBodies, OuterTrianglesHoldNoPiecesTogether) {
+  Model block = make_tetrahedral_block({0.04, 0.03, 0.03}, 4, 3, 3, 0.0, 1);
+  for (const auto& [a, b, c] : surface_triangles(block)) {
+    block.cells.push_back({.type = CellType::triangle, .particles = {a, b, c}});
+  }
+  block = with_material(block, {5e3, 0.4, 1000.0});
+  Simulation sim(with_spare_particles(block, 300), {.backend = "reference"});
+  const Snapshot whole = sim.snapshot();
+  ASSERT_TRUE(sim.cut(cut_plane({0, 0, 0.013}, {0, 0, 1})));
+  EXPECT_EQ(connected_bodies(sim.model()).size(), 2u);
+  sim.restore(whole);
+  const Model& model = sim.model();
+  sim.remove_cells(model.cells_in([](const Vec3& x) { return std::abs(x.x() - 0.02) < 0.0101; }));
+  ASSERT_EQ(connected_bodies(model).size(), 2u);
+  sim.remove_cells(connected_bodies(model).back().cells);
+  EXPECT_EQ(connected_bodies(model).size(), 1u);
+}
+
 }  // namespace
 }  // namespace phymul

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "support/bodies.h"
+#include "support/every_backend.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -150,6 +151,50 @@ TEST(InterruptedCalls, AHistoryForgetsWhatLedElsewhere) {
   ASSERT_TRUE(sim.rewind(sim.time()));
   EXPECT_EQ(sim.solver().read().position, rest);
 }
+
+class Remainders : public OnEveryBackend {};
+
+/// What rounding leaves of `advance(min(tick, end - time))`: no force is in it, and what is asked waits for the next
+/// call.
+TEST_P(Remainders, PassTimeAlone) {
+  Simulation sim(make_block({0.04, 0.04, 0.04}, 3, 3, 3),
+                 {.material = soft_tissue(), .backend = GetParam(), .damping = {.rate = 20.0}});
+  ToolPose pose{.position = {0.021, 0.019, 0.049}};
+  const ToolHandle ball =
+      sim.scene().fix("z0").gravity({0, 0, -9.81}).add_tool("ball", {.shape = Sphere{0.01}, .pose = pose});
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  const auto press = [&] {
+    pose.position.z() -= 1e-3;
+    ball.move_to(pose);
+  };
+  press();
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(sim.advance(1e-3).ok());
+  const Snapshot before = sim.snapshot();
+  const ToolForce force = sim.force_on(ball);
+  ASSERT_GT(force.force.z(), 0.0);
+  press();
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  const State wanted = sim.solver().read();
+
+  sim.restore(before);
+  ball.move_to(pose);
+  const StepReport report = sim.advance(2e-14);
+  EXPECT_TRUE(report.ok()) << report.message();
+  EXPECT_EQ(report.steps, 0);
+  EXPECT_EQ(sim.time(), before.state.time + 2e-14);
+  EXPECT_EQ(sim.solver().read().position, before.state.position);
+  EXPECT_EQ(sim.force_on(ball), force);
+  EXPECT_EQ(sim.pose_of(ball), before.tools.front().target);
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  const State now = sim.solver().read();
+  EXPECT_EQ(now.position, wanted.position);
+  EXPECT_EQ(now.velocity, wanted.velocity);
+
+  EXPECT_EQ(sim.advance(2e-14).steps, 0);
+  EXPECT_EQ(sim.advance(2e-14).steps, 1);  // who asks again means it
+}
+
+PHYMUL_ON_EVERY_BACKEND(Remainders);
 
 }  // namespace
 }  // namespace phymul::test

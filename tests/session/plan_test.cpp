@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <thread>
 #include <utility>
 
 #include "session/planner/convergence.h"
@@ -197,6 +198,33 @@ TEST(Plan, FollowsMotionUnderLoadsAndTools) {
   EXPECT_GE(made.trials.size(), 3u);
   for (const PlanTrial& trial : made.trials) EXPECT_TRUE(std::isnan(trial.rest));
   EXPECT_FALSE(std::isnan(made.trials.front().error)) << made.report();
+}
+
+TEST(Plan, SaysWhichMotionWasMeasuredInPart) {
+  double step = 0.0;
+  const auto moving = [&](const PlanCandidate& candidate) {
+    step = candidate.step;
+    return sagging(candidate);
+  };
+  const auto wait = [&](Simulation&) {
+    if (step < 0.4) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  };
+  PlanOptions options{.max_error = 0.9, .rate = 500, .probe_time = 0.02, .before_tick = wait};
+  options.coarsest = 0.05, options.finest = 0.02, options.budget = 0.2, options.steps = {0.5, 0.25};
+  options.most_threads = 1;
+  const Plan made = plan(moving, options);
+  EXPECT_TRUE(says(made.report(), "the budget ended at ", " of 10 ticks")) << made.report();
+}
+
+TEST(Plan, NamesTheFinestBodyWithAnError) {
+  const auto limited = [](const PlanCandidate& candidate) {
+    if (candidate.spacing < 0.02) throw Error("no finer organ");
+    return sagging(candidate);
+  };
+  PlanOptions options = wishes(1e-6, 20);
+  options.coarsest = 0.05;
+  const Plan made = plan(limited, options);
+  EXPECT_TRUE(says(made.reason, "the finest, 25 mm, has ", "finer bodies fail: no finer organ")) << made.reason;
 }
 
 TEST(Plan, FillsASolidAndKeepsTheTimeToRest) {

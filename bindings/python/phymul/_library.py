@@ -76,9 +76,12 @@ def _require_range(value: Any, kind: Any, what: str) -> None:
 
 
 def encoded(text: Any) -> Any:
-    """As C has it, bytes that are not UTF-8 included. Throws Error for a zero, at which C would end it."""
+    """As C has it, bytes that are not UTF-8 included. Throws Error for a number, which ctypes takes for an address, and
+    for a zero, at which C would end it."""
     data = text.encode(errors="surrogateescape") if isinstance(text, str) else text
-    if isinstance(data, bytes) and b"\0" in data:
+    if not isinstance(data, (bytes, type(None))):
+        raise Error(f"expected a name or path, got {text!r:.100}")
+    if data and b"\0" in data:
         raise Error(f"expected a name or path without a zero in it, got {text!r:.100}")
     return data
 
@@ -156,9 +159,19 @@ class Handle:
         self.was_viewed = False
         self._free = getattr(library, f"phymul_{kind}_free")
 
+    def __reduce__(self) -> Any:
+        raise TypeError(f"a {self.kind} of the library cannot be copied or pickled")  # both would free it
+
     def __del__(self) -> None:
         if self.pointer:
             self._free(self.pointer)
+
+
+def instance(value: Any, kind: type, what: str) -> Any:
+    """Throws Error unless it is one: C would take the memory of any handle."""
+    if not isinstance(value, kind):
+        raise Error(f"{what}: expected a {kind.__name__}, got {value!r:.100}")
+    return value
 
 
 class Owner:
@@ -240,6 +253,8 @@ def view_of(function: Any, owner: Handle, columns: int, typestr: str) -> np.ndar
 def floats(values: Any, shape: tuple[int, ...], what: str) -> np.ndarray:
     """As doubles, row by row; -1 in the shape: any number. Throws Error for another shape, and for other things."""
     try:
+        if np.asarray(values).dtype.kind in "cSU":  # numpy drops imaginary parts, and reads text
+            raise TypeError
         array = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise Error(f"{what}: expected numbers of shape {_words(shape)}, got {values!r:.200}") from None

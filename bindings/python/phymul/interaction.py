@@ -146,14 +146,16 @@ def constants_of(struct: str, values: Any) -> Any:
 
 
 def pose_of(pose: Pose) -> Any:
+    if not np.any(pose.orientation):  # which is none in C
+        raise Error(f"a pose: expected an orientation other than 0, got {pose.orientation!r:.100}")
     return fill(sized("phymul_pose"), "a pose", position=pose.position, orientation=pose.orientation,
                  velocity=pose.velocity, spin=pose.spin)
 
 
 def events_of(value: Value) -> np.ndarray:
     """[2][n]: times and values."""
-    if isinstance(value, (int, float)):
-        value = [(-sys.float_info.max, float(value))]  # before its first time a value is 0
+    if np.isscalar(value) or getattr(value, "shape", None) == ():
+        value = [(-sys.float_info.max, value)]  # before its first time a value is 0
     return np.ascontiguousarray(floats(value, (-1, 2), "a value: a number, or pairs of time and value").T)
 
 

@@ -59,7 +59,10 @@ class _Building:
 
     def call(self, _: Any, candidate: int, made: Any) -> int:
         try:
-            handle = self.build(_candidate(structs["phymul_candidate"].from_address(candidate)))._own
+            built = self.build(_candidate(structs["phymul_candidate"].from_address(candidate)))
+            if not isinstance(built, Simulation):
+                raise TypeError(f"the builder must return a Simulation, got {built!r:.100}")
+            handle = built._own
             if handle.was_viewed:
                 raise ValueError("the builder must not read arrays of the simulation: it is handed over")
             made[0] = handle.pointer

@@ -9,7 +9,8 @@ from typing import Any, Optional, TypeVar, Union
 
 import numpy as np
 
-from ._library import Error, Owner, constants, floats, integers, library, lines_of, make, other_than_zero, sized
+from ._library import (Error, Owner, constants, floats, instance, integers, library, lines_of, make, other_than_zero,
+                       sized)
 from .body import Body, Material, Vector
 from .interaction import (Anchor, Blade, Box, Capsule, HalfSpace, Jaws, JawsOptions, Joint, Load, Needle, Numbered,
                           Pose, Shape, Skin, Sphere, Tool, Value, Where, constants_of, events_of, fill, pose_of)
@@ -150,7 +151,7 @@ class Scene(Owner):
         options = sized("phymul_joint_options", slack=slack, stiffness=stiffness, damping=damping,
                          breaking=other_than_zero(breaking_stress, "breaking_stress"))
         body = to if isinstance(to, str) else None
-        tool = to._number_in(self) if isinstance(to, Tool) else 0
+        tool = 0 if to is None or body is not None else instance(to, Tool, "a partner")._number_in(self)
         return self._add(Joint, library.phymul_attach, rows.ctypes.data, len(rows), body, tool, vector.ctypes.data,
                          _ref(options))
 
@@ -168,7 +169,8 @@ class Scene(Owner):
         return lines_of(library.phymul_add_body_types, self._pointer)
 
     def bind(self, points: Any, triangles: Any = ()) -> Skin:
-        """Points [n][3], m, that move with the body, such as the vertices of a finer surface; triangles for normals."""
+        """Points [n][3], m at rest, that move with the body, such as the vertices of a finer surface; triangles for
+        normals."""
         return Skin(self, floats(points, (-1, 3), "points"), integers(triangles, 3, "triangles"))
 
     def add_thread(self, thread: Thread, start: Vector, direction: Vector) -> ThreadHandle:

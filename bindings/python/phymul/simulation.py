@@ -9,7 +9,7 @@ from typing import Any, Mapping, Optional, Union
 
 import numpy as np
 
-from ._library import (Error, ErrorCode, Handle, Owner, cut_along, encoded, floats, library, lines_of, make,
+from ._library import (Error, ErrorCode, Handle, Owner, cut_along, encoded, floats, instance, library, lines_of, make,
                        other_than_zero, path_of, rows_of, sized, text_of, view_of)
 from .body import Body, Material, Path, Vector
 from .interaction import fields_of
@@ -54,6 +54,9 @@ class StepError(Error):
         super().__init__(message, ErrorCode.STEP_FAILED)
         self.report = report
 
+    def __reduce__(self) -> Any:  # without it a process that gets one from another cannot make it
+        return StepError, (str(self), self.report)
+
 
 @dataclass(frozen=True)
 class Energy:
@@ -89,10 +92,10 @@ class Simulation(Scene):
         material_struct = material._struct
         if material != Material(0.0, 0.0, 0.0):
             options.material = ctypes.addressof(material_struct)
-        bodies = [body] if isinstance(body, Body) else list(body.values())
+        bodies = [instance(each, Body, "a body") for each in (body.values() if isinstance(body, Mapping) else [body])]
         handles = (ctypes.c_void_p * len(bodies))(*(each._pointer for each in bodies))
         names = None
-        if not isinstance(body, Body):
+        if isinstance(body, Mapping):
             names = (ctypes.c_char_p * len(bodies))(*map(encoded, body))
         self._handle = make("simulation", library.phymul_simulation_create, handles, names, len(bodies), _ref(options))
         self._body: Optional[Body] = None
@@ -106,8 +109,9 @@ class Simulation(Scene):
 
     @property
     def body(self) -> Body:
-        """A copy of the body, or of all bodies as one, with their materials."""
-        if self._body is None or self._body_cuts != self.cuts:  # blades cut, and tissue tears, in a step
+        """A copy of the body, or of all bodies as one, with their materials; the same one until cells are cut."""
+        # Blades cut, and tissue tears, in a step.
+        if self._body is None or self._body._handle is None or self._body_cuts != self.cuts:
             self._body_cuts = self.cuts
             self._body = Body(make("body", library.phymul_simulation_body, self._pointer))
         return self._body
@@ -247,11 +251,12 @@ class Simulation(Scene):
         library.phymul_set_state(self._pointer, time, *(None if each is None else each.ctypes.data for each in arrays))
 
     def snapshot(self) -> Snapshot:
-        """The state with all that further steps depend on, tools and joints too, except loads, gravity and contacts."""
+        """The state with all that further steps depend on, tools, joints and threads too. restore() leaves loads,
+        gravity, contacts, kept volumes, tearing and factors of stiffness as they are."""
         return Snapshot(make("snapshot", library.phymul_snapshot_take, self._pointer))
 
     def restore(self, snapshot: Snapshot) -> None:
-        library.phymul_snapshot_restore(snapshot._pointer, self._pointer)
+        library.phymul_snapshot_restore(instance(snapshot, Snapshot, "a snapshot")._pointer, self._pointer)
         self._body = None  # cells may have come back
 
     def save(self, path: Path) -> None:
@@ -263,7 +268,8 @@ class Simulation(Scene):
         self._body = None
 
     def record(self) -> None:
-        """From now on what is done with this simulation is recorded."""
+        """From now on what is done with this simulation is recorded. Poses and grasps that no step has followed yet are
+        dropped: repeat them."""
         library.phymul_record(self._pointer)
 
     def save_recording(self, path: Path) -> None:

@@ -59,7 +59,7 @@ class Knot:
 class ThreadState:
     """A thread after the last step. Arrays are copies."""
 
-    positions: np.ndarray  # [points][3] m: nodes; of a sewn thread: tips and passages. None before its first step
+    positions: np.ndarray  # [points][3] m: nodes; of a sewn thread: tips and passages, 0 before its first step
     rest_lengths: np.ndarray  # [points - 1] m
     tensions: np.ndarray  # [points - 1] N
     broken: np.ndarray  # [points - 1]
@@ -93,7 +93,8 @@ class Fluid:
         points = floats(self.curve if len(self.curve) else np.zeros((0, 2)), (-1, 2), "points of a curve")
         for name in ("outer_pressure", "exponent", "conductance"):
             if getattr(self, name) < 0 or (getattr(self, name) == 0 and name != "conductance"):
-                raise Error(f"Fluid.{name}: expected a number above 0, got {getattr(self, name)!r:.100}")
+                least = "0 or more" if name == "conductance" else "a number above 0"
+                raise Error(f"Fluid.{name}: expected {least}, got {getattr(self, name)!r:.100}")
         return sized("phymul_fluid", law=constants[self.law.upper()], outer_pressure=self.outer_pressure,
                      exponent=self.exponent, curve=points.ctypes.data, curve_points=len(points),
                      conductance=self.conductance, outlet_pressure=self.outlet_pressure), points

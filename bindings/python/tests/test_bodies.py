@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT
+import copy
 import pathlib
 import re
 import tempfile
@@ -182,6 +183,11 @@ class Bodies(Refusals):
                      seed=-1)
         self.refused(invalid, "nx: expected an integer", phymul.make_block, (1, 1, 1), 2.0, 2, 2)
         self.refused(invalid, "threads: expected an integer", phymul.Simulation, block, threads=2**32 + 1)
+        self.refused(invalid, "a name or path, got 3", phymul.Simulation, block, backend=3)  # C would take an address
+        self.refused(invalid, "a name or path, got 1", phymul.Simulation, {1: block})
+        self.refused(invalid, "a body: expected a Body", phymul.Simulation, {"a": phymul.Simulation(block)})
+        self.refused(invalid, "a size: expected numbers", phymul.make_block, (1j, 1, 1), 2, 2, 2)
+        self.refused(invalid, "a size: expected numbers", phymul.make_block, ("1", "1", "1"), 2, 2, 2)
         self.refused(invalid, '"brick"', phymul.body_from_arrays, CUBE, {"brick": [[0]]})
         self.refused(invalid, "over 99", phymul.body_from_arrays, CUBE, {"tetrahedron": [[0, 1, 2, 99]]})
         self.refused(invalid, "", block.set_material, -1, 0.4, 1000)
@@ -201,6 +207,8 @@ class Bodies(Refusals):
         block.set_material(5e3, 0.4, 1000)
         self.assertIs(rest.base.owner, block._own)
         np.testing.assert_array_equal(rest, before)
+        with self.assertRaisesRegex(TypeError, "body of the library cannot be copied"):
+            copy.deepcopy(block)
         with block:
             pass
         self.refused(ErrorCode.INVALID_ARGUMENT, "Body is closed", lambda: block.rest)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 import pathlib
-import re
+import pickle
 import tempfile
 import unittest
 
@@ -51,7 +51,8 @@ class Steps(Refusals):
         for way in ("run_to_rest", "solve_static"):
             sim = block(backend="reference").fix("z0")
             load = sim.add_load("force", "z1", (1, 0, 0), 1e-3)
-            load.set(2e-3)
+            load.set(np.float32(1))
+            load.set(np.array(2e-3))
             report = getattr(sim, way)()
             self.assertTrue(report.converged, report.message)
             self.assertEqual(report.folded, -1)
@@ -95,6 +96,8 @@ class Steps(Refusals):
         self.assertEqual(caught.exception.code, ErrorCode.STEP_FAILED)
         self.assertEqual(caught.exception.report.steps, 0)
         self.assertIn(str(caught.exception), caught.exception.report.message)
+        sent = pickle.loads(pickle.dumps(caught.exception))  # as between processes
+        self.assertEqual((str(sent), sent.report), (str(caught.exception), caught.exception.report))
         self.assertEqual(sim.step(2, 0.5 * sim.stable_step).steps, 2)
         free = block().gravity((0, 0, -1))
         self.refused(ErrorCode.STEP_FAILED, "", free.solve_static)
@@ -128,6 +131,10 @@ class Steps(Refusals):
         self.refused(invalid, "(n, 2)", sim.add_load, "force", "z1", (0, 0, 1), [1.0, 2.0])
         self.refused(invalid, "(64, 3), got the shape (3, 3)", sim.set_state, np.zeros((3, 3)))
         self.refused(invalid, "is closed", sim.restore, self.closed(sim.snapshot()))
+        self.refused(invalid, "a snapshot: expected a Snapshot", sim.restore, sim)
+        for partner in ([1, 2], b"x0", sim):
+            self.refused(invalid, "a partner: expected a Tool", sim.attach, "z1", partner, stiffness=1.0)
+        self.refused(invalid, "orientation other than 0", sim.add_tool, phymul.Sphere(1.0), Pose(orientation=(0,) * 4))
         sim.close()
         self.refused(invalid, "Simulation is closed", sim.advance, 0.1)
         self.refused(invalid, "Simulation is closed", lambda: sim.positions)
@@ -161,6 +168,9 @@ class Views(Refusals):
         sim.set_state(positions=sim.body.rest + [0, 0, 1e-3])
         np.testing.assert_allclose(sim.positions[:, 2], sim.body.rest[:, 2] + 1e-3, atol=1e-8)
         last = view.copy()
+        with sim.body:
+            pass
+        self.assertEqual(sim.body.particles, 64)
         sim.close()
         del sim
         np.testing.assert_array_equal(view, last)
@@ -322,6 +332,27 @@ class ToolsJointsSkins(Refusals):
         thread.remove()
         self.refused(ErrorCode.UNKNOWN_NAME, "joint", lambda: thread.report)
 
+    def test_springs_begin_where_the_particles_are(self):
+        def pulled():
+            sim = block(backend="reference").fix("z0")
+            sim.add_load("translation", "z1", (0, 0, 1), 3e-3)
+            return sim
+
+        there = pulled()
+        there.advance(0.01)
+        there = there.snapshot()
+        for way in (lambda sim: sim.advance(0.01), lambda sim: sim.step(1, 1e-4), lambda sim: sim.run_to_rest(10),
+                    lambda sim: sim.solve_static(), lambda sim: sim.restore(there),
+                    lambda sim: sim.set_state(positions=sim.body.rest + [0, 0, 3e-3])):
+            sim = pulled()
+            way(sim)
+            tool = sim.add_tool(phymul.Sphere(1e-3), Pose((0.015, 0.015, 0.06)))
+            springs = [sim.add_joint(Anchor(particles="z1"), Anchor(point=(0.015, 0.015, 0.06)), 10),
+                       sim.attach("z1", stiffness=1e4), sim.attach("z1", tool, stiffness=1e4)]
+            sim.step(1, 1e-5)
+            for spring in springs:
+                self.assertLess(np.abs(spring.report.force).max(), 1e-9)
+
     def test_a_part_of_a_surface_is_held(self):
         body = phymul.make_block((0.03, 0.03, 0.03), 3, 3, 3)
         sim = phymul.Simulation(body, **SOFT, damping=30).gravity((0, 0, -9.81))
@@ -419,6 +450,8 @@ class Planning(Refusals):
         self.refused(ErrorCode.INVALID_ARGUMENT, "nothing moves", phymul.plan, unmoved, max_error=0.2, rate=50)
         with self.assertRaisesRegex(ValueError, "handed over"):
             phymul.plan(viewed, max_error=0.2, rate=50)
+        with self.assertRaisesRegex(TypeError, "must return a Simulation"):
+            phymul.plan(lambda candidate: self.build(candidate).body, max_error=0.2, rate=50)
         self.refused(ErrorCode.UNKNOWN_NAME, "x0", phymul.plan, lambda candidate: self.build(candidate).fix("x9"),
                      max_error=0.2, rate=50)
         self.refused(ErrorCode.INVALID_ARGUMENT, "max_error", phymul.plan, self.build, max_error=2.0, rate=50)

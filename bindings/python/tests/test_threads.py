@@ -117,6 +117,8 @@ class Threads(Refusals):
         self.refused(ErrorCode.INVALID_ARGUMENT, "free thread", stitch.hold, 0, (0, 0, 0))
         self.refused(ErrorCode.INVALID_ARGUMENT, "needle", sim.swage, Thread(), sim.add_tool(phymul.Sphere(0.01)))
         self.refused(ErrorCode.INVALID_ARGUMENT, '"gas"', sim.add_fluid, "a", sim.body.triangles, 1e-5, Fluid("air"))
+        self.refused(ErrorCode.INVALID_ARGUMENT, "conductance: expected 0 or more", sim.add_fluid, "a",
+                     sim.body.triangles, 1e-5, Fluid("gas", conductance=-1))
         self.refused(ErrorCode.UNKNOWN_NAME, "nothing", sim.set_volume, "nothing", 1e-5)
         stitch.remove()
         self.refused(ErrorCode.UNKNOWN_NAME, "thread", stitch.tie, 0, 1)

@@ -19,6 +19,9 @@ import make_wheel
 build = sys.argv[1]
 program = "import phymul; print(phymul.__file__, len(phymul.make_block((1, 1, 1), 2, 2, 2).rest))"
 
+earlier = pathlib.Path(build) / "phymul-0.0.1-py3-none-any.whl"  # that the build made of another version
+earlier.touch()
+os.utime(earlier, (0, 0))
 with tempfile.TemporaryDirectory() as folder:
     site = pathlib.Path(folder) / "site"
     wheel = pathlib.Path(folder) / make_wheel.build_wheel(folder, {"build-dir": build})
@@ -44,3 +47,4 @@ with tempfile.TemporaryDirectory() as folder:
                             stdout=subprocess.PIPE).stdout
     assert output.split() == [str(site / "phymul/__init__.py"), "27"], output
     print("installed with pip" if has_pip else "unpacked: this Python has no pip")
+earlier.unlink()

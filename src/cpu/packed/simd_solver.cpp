@@ -351,8 +351,8 @@ class SimdSolver final : public SolverBackend {
       state.velocity[i] = velocity(*body_, v_, place);
     }
   }
-
   double do_time() const override { return time_; }
+  bool do_pass_time(double seconds) override { return (time_ += seconds, true); }
   std::string do_device() const override {
     return std::to_string(pool_.parts()) + (pool_.parts() == 1 ? " thread" : " threads") + ", " + kernels_.name +
            " vectors, single precision";

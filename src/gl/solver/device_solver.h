@@ -45,6 +45,7 @@ class DeviceSolver final : public SolverBackend {
   void do_read(State& state) const override;
   Energy do_energy() const override;
   double do_time() const override { return progress_.time; }
+  bool do_pass_time(double seconds) override { return (progress_.time += seconds, true); }
   void do_snapshot(Snapshot& snapshot) const override;
   void do_restore(const Snapshot& snapshot) override;
   void do_request_read() override;

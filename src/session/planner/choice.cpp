@@ -57,6 +57,7 @@ PlanTrial Planner::measured(Level& level, const PlanCandidate& candidate) {
   PlanTrial trial = level.trial;
   trial.candidate = candidate;
   trial.tick = trial.real_time = PlanTrial::unknown;
+  trial.keeps_time = false;
   trial.note.clear();
   if (prober_.left() < 0.0) {
     trial.note = "not measured: the budget ended";
@@ -66,12 +67,12 @@ PlanTrial Planner::measured(Level& level, const PlanCandidate& candidate) {
       trial.tick = probe.tick;
       trial.rest = probe.rest_seconds;
       trial.real_time = prober_.tick_length() / probe.tick;
-      trial.note = probe.failure;
+      trial.note = probe.failure.empty() ? probe.note : probe.failure;
+      trial.keeps_time = probe.failure.empty() && keeps_time(trial);
     } catch (const std::exception& error) {
       trial.note = error.what();
     }
   }
-  trial.keeps_time = trial.note.empty() && keeps_time(trial);
   measured_.push_back(trial);
   return trial;
 }
@@ -115,7 +116,8 @@ void Planner::choose() {
     plan_.most_accurate = cheapest_in_time(level, fastest);
     if (plan_.most_accurate) break;
   }
-  plan_.reason = reason_of_refusal(plan_, levels_.back().trial, ended_);
+  const auto finest = std::ranges::find_if(levels_.rbegin(), levels_.rend(), &Level::has_field);  // refine() has one
+  plan_.reason = reason_of_refusal(plan_, finest->trial, ended_);
 }
 
 }  // namespace phymul
