@@ -65,14 +65,9 @@ Reaction react(ToolFrame end, TouchedParticle p, vec3 force) {
   return Reaction(true, -force, -cross_product(place_from(end, p, p.u), force));
 }
 
-Reaction hold(ToolFrame end, ToolTurn turn, bool in_remainder, vec3 held_at, inout TouchedParticle p, float inverse_dt) {
-  vec3 way = ((end.high - p.high) + (end.low - p.low)) + turned(end, held_at) - p.u;
-  if (in_remainder) {
-    vec3 of_tool = turn.gone + (held_at.x * turn.x + held_at.y * turn.y + held_at.z * turn.z);
-    p.shift = p.shift + free_part(way - of_tool, p.fixed_at);
-    way = of_tool;
-  }
-  vec3 velocity = inverse_dt * way;
+Reaction hold(ToolFrame end, vec3 held_at, inout TouchedParticle p, float inverse_dt) {
+  vec3 target = ((end.high - p.high) + (end.low - p.low)) + turned(end, held_at);
+  vec3 velocity = inverse_dt * (target - p.u);
   vec3 force = inverse_dt * push(p, p.mass * (velocity - p.v)) - free_part(p.withheld, p.fixed_at);
   p.withheld = vec3(0.0);
   return react(end, p, force);
@@ -162,10 +157,7 @@ Reaction touch_tool(int tool, vec4 held, int at, inout TouchedParticle p, float 
   int holder = int(held.w);
   if (holder >= 0 && holder != tool) return no_reaction;
   ToolFrame end = tool_frame(tool, at + 1);
-  if (holder == tool) {
-    bool in_remainder = tool_frame_row(tool, at, 3).w > 1.0;
-    return hold(end, tool_turn(tool, at), in_remainder, held.xyz, p, inverse_dt);
-  }
+  if (holder == tool) return hold(end, held.xyz, p, inverse_dt);
   if (p.fixed_at == 7) return no_reaction;
   return press(tool_shape(tool), tool_contact(tool, at), tool_frame(tool, at), end, tool_turn(tool, at), p, dt,
                inverse_dt);

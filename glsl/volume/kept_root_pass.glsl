@@ -4,7 +4,6 @@
 
 uniform int kept_first_total;  // the volumes' sums over all their facets, one after another
 OF_STEP(int, kept_step);       // of the batch, from 1
-uniform int kept_remainder;    // 1: the step is one (predicted_step.h), which keeps nothing
 
 RESULT(0, vec4, kept_root);
 
@@ -15,10 +14,9 @@ void root_row(int volume) {
   VolumeRoot root = root_of_cubic(total.yzw, missing);
   float lost = kept_step == 1 ? 0.0 : fetch_load_vec4(kept_roots, kept_roots_place, volume).y;
   // Where nothing is free to make up for it, what is rounded is not a loss; nor is what is no number.
-  bool waits = kept_remainder != 0;
-  bool kept = root.found || waits || !(abs(missing) > law.y);
+  bool kept = root.found || !(abs(missing) > law.y);
   if (!kept && lost == 0.0) lost = float(kept_step);
-  kept_root = vec4(root.found && !waits ? kept_law(volume, 0).x * root.s : 0.0, lost, 0.0, 0.0);
+  kept_root = vec4(root.found ? kept_law(volume, 0).x * root.s : 0.0, lost, 0.0, 0.0);
 }
 
 PASS_MAIN(root_row)

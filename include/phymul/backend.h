@@ -207,13 +207,13 @@ class SolverBackend : public Solver {
   SolverOptions options_;
   LoadFrame frame_;
   std::uint64_t scene_version_ = 0, values_version_ = 0;
-  std::optional<Index> loose_;            // RestResult's, of the scene of these versions; empty: not yet looked for
-  double growth_ = 0.0, speed_ = 0.0;     // Snapshot's
-  double dt_before_ = 0.0;                // s, of the last call; 0: there was none
-  Index first_beyond_ = -1;               // StepReport's
-  double beyond_since_ = 0.0;             // s
-  std::optional<bool> all_held_;          // of the scene of these versions; empty: not yet looked for
-  mutable double growth_of_state_ = 0.0;  // where growth_ is 0; 0: not yet computed
+  std::optional<Index> loose_;             // RestResult's, of the scene of these versions; empty: not yet looked for
+  double growth_ = 0.0, speed_ = 0.0;      // Snapshot's
+  double dt_before_ = 0.0, passed_ = 0.0;  // s, of the last step, 0: there was none; and passed since without one
+  Index first_beyond_ = -1;                // StepReport's
+  double beyond_since_ = 0.0;              // s
+  std::optional<bool> all_held_;           // of the scene of these versions; empty: not yet looked for
+  mutable double growth_of_state_ = 0.0;   // where growth_ is 0; 0: not yet computed
   mutable std::optional<std::uint64_t> topology_hash_;
   // Of the restored snapshot, until a step is done or reset() called; by SceneTool::id and SceneJoint::id.
   std::map<std::uint64_t, ToolReport> tools_before_;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "interaction/distance_to_shape.h"
-#include "interaction/predicted_step.h"
 #include "interaction/tool_frame.h"
 #include "interaction/tool_shape.h"
 
@@ -154,7 +153,7 @@ void FloatTools::fill_frame(const ToolMotion& motion, Float4* rows) const {
   rows[3] = {low[0], low[1], low[2], motion.placed ? 1.0f : 0.0f};
 }
 
-int FloatTools::begin_batch(int steps, double dt, double last_dt) {
+int FloatTools::begin_batch(int steps, double dt) {
   int finite = steps;
   motions_.clear();
   for (const Moving& tool : tools_) motions_.push_back(tool.moved.motion);
@@ -165,7 +164,6 @@ int FloatTools::begin_batch(int steps, double dt, double last_dt) {
       motion.advance(dt);
       if (!is_finite(motion.next_pose)) finite = std::min(finite, step);
       fill_frame(motion, rows);
-      if (step == 0 && is_remainder(dt, last_dt)) rows[3][3] = 2.0f;
       if (tools_[row].let_go) rows[3][3] = -1.0f;
       rows += frame_rows;
       motion.accept();

@@ -61,9 +61,8 @@ class FloatTools {
   /// No step was done since hold(): what it changed is to be done in the next call. False: it changed nothing.
   bool undo_hold();
 
-  /// Fills frames() for steps from here on. How many of them leave all poses finite. `last_dt`: s, of the step before
-  /// the first; 0: there was none.
-  int begin_batch(int steps, double dt, double last_dt = 0.0);
+  /// Fills frames() for steps from here on. How many of them leave all poses finite.
+  int begin_batch(int steps, double dt);
   /// So many steps of the batch count; `sums` are of those. By tool, what joints did in the last one and summed.
   void accept(int steps, double dt, std::span<const ToolSums> sums, std::span<const JointSet::Pull> pulls,
               std::span<const JointSet::Pull> pull_sums);

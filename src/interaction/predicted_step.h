@@ -55,12 +55,6 @@ class PredictedStep {
   PredictedStep& operator=(const PredictedStep&) = default;
 };
 
-/// Whether a step is a remainder, as at the end of a loop of calls: so short that an impulse which puts right what
-/// single precision rounds would be a blow. `last_dt`: s, of the step before; 0: there was none.
-constexpr bool is_remainder(double dt, double last_dt) {
-  return dt < 1e-3 * last_dt;
-}
-
 /// Bit a of `fixed`: coordinate a takes nothing.
 inline Vec3 free_part(Vec3 vector, std::uint8_t fixed) {
   for (int a = 0; a < 3; ++a) {
@@ -97,7 +91,6 @@ class TouchedParticles {
 
   double dt() const { return dt_; }
   double last_dt() const { return last_dt_; }
-  bool is_remainder() const { return phymul::is_remainder(dt_, last_dt_); }
   const PredictedStep& step() const { return *step_; }
   std::span<const double> mass() const { return mass_; }  ///< kg, of all particles
   std::size_t count() const { return touched_.size(); }

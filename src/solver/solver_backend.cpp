@@ -160,7 +160,7 @@ void SolverBackend::reset(const State& given) {
   do_reset(state);
   joints_->reset(state);
   bring_back_reports({});
-  growth_ = growth_of_state_ = speed_ = dt_before_ = 0.0;
+  growth_ = growth_of_state_ = speed_ = dt_before_ = passed_ = 0.0;
   first_beyond_ = -1;
 }
 
@@ -299,7 +299,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   growth_ = snapshot.growth;
   first_beyond_ = -1;
   speed_ = snapshot.max_speed;
-  dt_before_ = snapshot.last_dt;
+  dt_before_ = snapshot.last_dt, passed_ = 0.0;
   growth_of_state_ = 0.0;
 }
 

@@ -90,28 +90,6 @@ TEST_P(GlTool, AgreesWithTheReferenceAlsoFarFromTheOrigin) {
   EXPECT_LE(worst_force, 1e-5);
 }
 
-/// In a step far shorter than the one before, as at the end of a loop of `advance(min(tick, end - time))`: what floats
-/// leave places off, of what a tool holds as of a kept volume, is no way of such a step.
-TEST_P(GlTool, ARemainderOfAStepGivesNoBlow) {
-  for (const bool keeps : {false, true}) {
-    Scene scene = Scene(model_).fix("z0").gravity({0, 0.5, -3});
-    if (keeps) {
-      scene.constrain_volume();
-    } else {
-      scene.add_tool("jaw", {.shape = Box{{0.03, 0.002, 0.0015}}, .pose = {.position = {0.015, 0.01, 0.021}}});
-      scene.tool("jaw").grasp(1e-4);
-      scene.tool("jaw").move_to({.position = {0.015, 0.01, 0.0205}, .velocity = {0, 0.01, 0}});
-    }
-    const auto solver = make(scene);
-    for (int call = 0; call < 2; ++call) ASSERT_TRUE(solver->step(60, dt_).ok());
-    const State before = solver->read();
-    ASSERT_TRUE(solver->step(1, 1e-5 * dt_).ok());
-    EXPECT_LE(largest_distance(solver->read().velocity, before.velocity), 1e-3 * largest_norm(before.velocity));
-    ASSERT_TRUE(solver->step(1, dt_).ok());
-    EXPECT_LE(largest_norm(solver->read().velocity), 2.0 * largest_norm(before.velocity));
-  }
-}
-
 /// A batch that ends before its last step is done again up to there, and counts once.
 TEST_P(GlTool, BatchesDoneAgainCountOnce) {
   Scene scene(model_);

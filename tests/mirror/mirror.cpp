@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "device/float_range.h"
-#include "interaction/predicted_step.h"
 #include "kernels.h"
 #include "mirror_forces.h"
 #include "mirror_joints.h"
@@ -217,7 +216,7 @@ class MirrorSolver final : public SolverBackend {
 
   /// Forces act at the old time, imposed positions hold at the new one. True where an elastic force was cut.
   bool move_all(const StepPlan& plan, Motion& motion) {
-    if (!tools_.empty()) tools_.begin_batch(1, plan.dt, last_dt_);
+    if (!tools_.empty()) tools_.begin_batch(1, plan.dt);
     const auto inverse_dt = static_cast<float>(1.0 / plan.dt);
     if (!joints_.empty()) joints_.act({u_, v_, inverse_dt, plan.stop_at_rest}, joints());
     const bool any_cut = net_forces(static_cast<float>(plan.largest_acceleration));
@@ -231,11 +230,10 @@ class MirrorSolver final : public SolverBackend {
       next_u_[i] = moved.u;
       next_v_[i] = moved.v;
     }
-    const bool keeps = !volumes_.empty() && !is_remainder(plan.dt, last_dt_);
-    if (keeps) motion.lost_volume = find_ways();
+    if (!volumes_.empty()) motion.lost_volume = find_ways();
     for (Index i = 0; i < topology().particle_count; ++i) {
       Float3 a = Step::acceleration(force_[i], forces_.tables().particle[i][0], gravity);
-      if (keeps && volumes_.moves(i)) go_along(i, inverse_dt, a);
+      if (volumes_.moves(i)) go_along(i, inverse_dt, a);
       const double free = widened(loads_.free_part(i, a)).norm();
       motion.max_acceleration = std::max(motion.max_acceleration, free);
       motion.max_force = std::max(motion.max_force, topology().mass[i] * free);

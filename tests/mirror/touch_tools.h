@@ -65,15 +65,9 @@ inline FloatReaction react(const FloatFrame& end, const TouchedParticle& p, cons
   return {true, -force, -cross_product(place_from(end, p, p.u), force)};
 }
 
-inline FloatReaction hold(const FloatFrame& end, const FloatTurn& turn, bool in_remainder, const Float3& held_at,
-                          TouchedParticle& p, float inverse_dt) {
-  Float3 way = ((end.high - p.high) + (end.low - p.low)) + turned(end, held_at) - p.u;
-  if (in_remainder) {
-    const Float3 of_tool = turn.gone + (held_at.x * turn.x + held_at.y * turn.y + held_at.z * turn.z);
-    p.shift += p.free_part(way - of_tool);
-    way = of_tool;
-  }
-  const Float3 velocity = inverse_dt * way;
+inline FloatReaction hold(const FloatFrame& end, const Float3& held_at, TouchedParticle& p, float inverse_dt) {
+  const Float3 target = ((end.high - p.high) + (end.low - p.low)) + turned(end, held_at);
+  const Float3 velocity = inverse_dt * (target - p.u);
   const Float3 force = inverse_dt * p.push(p.mass * (velocity - p.v)) - p.free_part(p.withheld);
   p.withheld = {};
   return react(end, p, force);
@@ -125,13 +119,12 @@ class ToolRows {
     const Float4& held = tools_.held()[static_cast<std::size_t>(i)];
     const int holder = static_cast<int>(held[3]);
     if (holder >= 0 && holder != tool) return {};
-    const Float4* const rows = frame_rows(tool, 0);
-    const FloatTurn turn{xyz(rows[4]), xyz(rows[5]), xyz(rows[6]), {rows[4][3], rows[5][3], rows[6][3]}};
-    if (holder == tool) return hold(frame(tool, 1), turn, rows[3][3] > 1.0f, xyz(held), p, inverse_dt);
+    if (holder == tool) return hold(frame(tool, 1), xyz(held), p, inverse_dt);
     if (p.fixed_at == 7) return {};
+    const Float4* const rows = frame_rows(tool, 0);
     const Float4& law = tools_.laws()[FloatTools::law_rows * static_cast<std::size_t>(tool) + 1];
-    return press(shape(tool), {law[2], law[3], rows[3][3] > 0.0f}, frame(tool, 0), frame(tool, 1), turn, p, dt,
-                 inverse_dt);
+    return press(shape(tool), {law[2], law[3], rows[3][3] > 0.0f}, frame(tool, 0), frame(tool, 1),
+                 {xyz(rows[4]), xyz(rows[5]), xyz(rows[6]), {rows[4][3], rows[5][3], rows[6][3]}}, p, dt, inverse_dt);
   }
 
  private:

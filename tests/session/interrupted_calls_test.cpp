@@ -185,13 +185,16 @@ TEST_P(Remainders, PassTimeAlone) {
   EXPECT_EQ(sim.solver().read().position, before.state.position);
   EXPECT_EQ(sim.force_on(ball), force);
   EXPECT_EQ(sim.pose_of(ball), before.tools.front().target);
-  ASSERT_TRUE(sim.advance(1e-3).ok());
+  const StepReport report_of_tick = sim.advance(1e-3);
+  ASSERT_TRUE(report_of_tick.ok());
   const State now = sim.solver().read();
   EXPECT_EQ(now.position, wanted.position);
   EXPECT_EQ(now.velocity, wanted.velocity);
 
-  EXPECT_EQ(sim.advance(2e-14).steps, 0);
-  EXPECT_EQ(sim.advance(2e-14).steps, 1);  // who asks again means it
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(sim.advance(2e-14).steps, 0) << "rounding may leave a further one";
+  const double rest = 0.6e-3 * report_of_tick.dt;
+  EXPECT_EQ(sim.advance(rest).steps, 0);
+  EXPECT_EQ(sim.advance(rest).steps, 1) << "who asks again means it";
 }
 
 PHYMUL_ON_EVERY_BACKEND(Remainders);

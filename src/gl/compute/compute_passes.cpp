@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "interaction/predicted_step.h"
-
 namespace phymul::gl {
 namespace {
 
@@ -285,7 +283,6 @@ void ComputePasses::keep(const ComputeState& state, int number) const {
   const bool apart = facet_sums > sums_a_lane * sums.group();
   sums.set("next_pair", state.free_pair());
   sums.set("number", number);
-  sums.set("kept_remainder", number == 1 && is_remainder(dt_, last_dt_) ? 1 : 0);
   if (apart) {
     sums.set("first_level", -1);
     sums.dispatch(sums.groups_for(facet_sums));

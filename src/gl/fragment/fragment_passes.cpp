@@ -5,8 +5,6 @@
 #include <tuple>
 #include <utility>
 
-#include "interaction/predicted_step.h"
-
 namespace phymul::gl {
 namespace {
 
@@ -336,7 +334,6 @@ void FragmentPasses::keep(const FragmentState& state, int batch_step, bool measu
   prepare(now_->along, state, batch_step);
   scene_->volumes->follow_gradient(now_->along);
   scene_->volumes->sum(now_->facets, now_->sums);
-  now_->roots.set("kept_remainder", batch_step == 1 && is_remainder(dt_, last_dt_) ? 1 : 0);
   scene_->volumes->find_roots(now_->roots, batch_step);
   scene_->volumes->bind_roots(now_->end);
   prepare(now_->end, state, batch_step);

@@ -126,7 +126,7 @@ void DeviceSolver::take_over(const StepPlan& plan, int steps, const BatchReport&
 bool DeviceSolver::run_batch(const StepPlan& plan, int count, Motion& motion) {
   instants_.assign(1, progress_.time);
   for (int k = 0; k < count; ++k) instants_.push_back(instants_.back() + plan.dt);
-  if (!tools_.empty()) count = tools_.begin_batch(count, plan.dt, progress_.last_dt);
+  if (!tools_.empty()) count = tools_.begin_batch(count, plan.dt);
   if (count == 0) {
     motion.not_finite = pose_not_finite;
     return false;
