@@ -19,6 +19,8 @@ constexpr double most_cuts = 1000.0;
 /// Times as many parts along a triangle as along its shortest side: beyond, equal numbers would take far too many.
 constexpr int thin_ratio = 8;
 
+constexpr double most_rows = 1e15;  // of the grid, on either side of the origin
+
 /// Sums by cells of a grid, in the order of the cells.
 struct Merged {
   Vec3 moment = Vec3::Zero();  ///< sum of area times place
@@ -79,6 +81,9 @@ SurfacePatch sample_surface(const Surface& surface, double spacing, const Contai
                     std::to_string(count - 1) + " at finite places, got " + std::to_string(vertex));
       }
       corner[k] = surface.vertices[vertex];
+      if (corner[k].cwiseAbs().maxCoeff() <= most_rows * spacing) continue;
+      throw Error("sample_surface: expected a surface within 1e15 spacings of the origin, got a spacing of " +
+                  to_decimal(spacing) + " m; is it in the wrong unit?");
     }
     add_triangle(corner, spacing, inside, grid);
   }

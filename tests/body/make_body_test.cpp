@@ -326,6 +326,7 @@ TEST(SampleSurface, OfAThinTriangleTakesFewSamples) {
     EXPECT_NEAR(area, 1e-3 * std::sqrt(1.04), 1e-12);
     EXPECT_LT((moment / area - Vec3(2.0, 0, 0.4) / 3.0).norm(), 1e-9);
     EXPECT_GT(patch.points.size(), 150u);
+    EXPECT_TRUE(refuses([&] { sample_surface(thin, 1e-25, [](const Vec3&) { return true; }); }, "within 1e15 spac"));
   }
 }
 
