@@ -105,8 +105,9 @@ struct BodyReport {
 /// With BodyOptions::spacing_at the lattice is that of a balanced octree (the same paper, section 3): neighbouring
 /// leaves differ by a factor of 2 at most, and tetrahedra share whole faces. With and without, cells with an angle
 /// below 15 degrees at the surface are improved by moving their particles (particles on the surface move along it). The
-/// outward shift of the surface is proportional to the square of the local spacing. If the field asks for `spacing`
-/// everywhere, the body is bitwise equal to the one without a field.
+/// outward shift of the surface is proportional to the square of the local spacing, and at most 5 % of the coarsest
+/// spacing that the surface has. If the field asks for `spacing` everywhere, the body is bitwise equal to the one
+/// without a field.
 ///
 /// A Surface is first mended as by mend_surface(); Model::notes has its notes, and says if the body has several parts.
 /// Throws Error as mend_surface() does, for an option out of range, if a distance is NaN, and if the error of the

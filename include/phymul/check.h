@@ -16,7 +16,7 @@ enum class Flaw {
   degenerate_cell,  ///< volume (area) below 1e-6 of its longest edge cubed (squared), infinite, or a vertex repeated
   duplicate_cell,   ///< two cells over the same particles
   duplicate_point,  ///< two particles closer than 1e-9 of the body size
-  massless,         ///< particle whose mass is below 1e-9 of the mean
+  massless,         ///< particle whose mass is below 1e-9 of the mean, but not 0: spare, or its cells are removed
   isolated,         ///< particle without neighbours, or in no cell although others are
   few_neighbours,   ///< fewer than 3 neighbours (2 in 2-D), or all of them on one line
   self_neighbour,   ///< particle among its own neighbours; removed

@@ -66,7 +66,8 @@ std::vector<std::array<Index, 3>> outer_faces(const Stuffing& body) {
 }
 
 /// Moves the surface along its normals by one length times the square of the local spacing as a share of the coarsest:
-/// that is how much flat triangles cut off. Returns the way of the particles that move most, m.
+/// that is how much flat triangles cut off. `most`, m: of the length if the surface has the coarsest spacing somewhere,
+/// else as much of the spacing there is. Returns the way of the particles that move most, m.
 double meet_volume(Stuffing& body, const std::vector<std::array<Index, 3>>& faces, double wanted, double most) {
   VecList along(body.place.size());
   volume_gradient(faces, body.place, along);
@@ -77,6 +78,7 @@ double meet_volume(Stuffing& body, const std::vector<std::array<Index, 3>>& face
     most_along = std::max(most_along, along[i].norm());
   }
   const auto root = root_of_cubic(volume_along(faces, body.place, along), wanted - enclosed_volume(faces, body.place));
+  most /= std::sqrt(most_along);
   const double length = std::clamp(root.value_or(0.0), -most, most);
   for (std::size_t i = 0; i < along.size(); ++i) body.place[i] += length * along[i];
   return most_along * length;
@@ -175,13 +177,14 @@ Stuffing filled(const Interior& interior, const CentredLattice& lattice, const B
 
 }  // namespace
 
-Model filled_body(const Interior& interior, const CentredLattice& lattice, double wanted_volume,
+Model filled_body(const Interior& interior, const CentredLattice& lattice, const WantedVolumeOf& volume_of,
                   const BodyOptions& options, BodyReport& report, const std::function<void(Stuffing&)>& adjust) {
   Stuffing body = filled(interior, lattice, options);
   if (body.cells.empty()) {
     refuse_body("no point of a lattice with a spacing of " + length_text(options.spacing) +
                 " m lies inside the shape; take a smaller spacing, or check the unit of length");
   }
+  const double wanted_volume = volume_of(!body.leaf_edge.empty());
   if (!(wanted_volume > 0.0)) {
     refuse_body("expected a shape with a volume above 0, got " + length_text(1e6 * wanted_volume) + " ml");
   }

@@ -19,9 +19,12 @@ namespace phymul {
 /// Over the box and a cube around it, with the box in the middle. Throws Error for options out of range.
 CentredLattice lattice_over(const Vec3& low, const Vec3& high, const BodyOptions& options);
 
+/// m^3, of a shape; whether its lattice is graded says how exactly it has to be measured.
+using WantedVolumeOf = std::function<double(bool is_graded)>;
+
 /// The points inside of the lattice, graded as options.spacing_at asks, as a model whose surface is moved to meet the
-/// volume, m^3. `adjust` may change what is filled. Throws Error as make_body() does, but not for the volume.
-Model filled_body(const Interior& interior, const CentredLattice& lattice, double wanted_volume,
+/// volume. `adjust` may change what is filled. Throws Error as make_body() does, but not for the volume.
+Model filled_body(const Interior& interior, const CentredLattice& lattice, const WantedVolumeOf& volume_of,
                   const BodyOptions& options, BodyReport& report, const std::function<void(Stuffing&)>& adjust = {});
 
 /// Throws Error for an error of the volume above options.most_volume_error. `thin` says what is lost of the shape;

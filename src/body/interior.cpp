@@ -3,6 +3,7 @@
 
 #include <phymul/error.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -33,9 +34,11 @@ double SolidInterior::exit(const Vec3& in, const Vec3& out) const {
   return root_between([&](double share) { return at(share == 1.0 ? out : Vec3(in + share * (out - in))); });
 }
 
-double SolidInterior::volume(const CentredLattice& lattice) const {
-  constexpr int parts = 4;
+double SolidInterior::volume(const CentredLattice& lattice, bool is_graded) const {
   const auto& n = lattice.count;
+  // Parts of a graded lattice are finer than this one: there lines are as dense as a few samples allow.
+  const double fine = is_graded ? std::cbrt(3e5 / (1.0 * n[0] * n[1] * n[2])) : 0.0;
+  const int parts = static_cast<int>(std::clamp(fine, 4.0, 32.0));
   const double step = lattice.edge / parts;
   // Lines in rows and columns would see the sides of a box as steps: each row is shifted, and each column.
   const auto shift = [](int row) { return std::fmod(row * std::numbers::phi, 1.0); };

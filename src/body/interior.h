@@ -43,8 +43,8 @@ class SolidInterior : public PlaceInterior {
  public:
   explicit SolidInterior(const Solid& solid) : solid_(solid) {}
   double exit(const Vec3& in, const Vec3& out) const override;
-  /// m^3, of lines along x, 16 through each cube.
-  double volume(const CentredLattice& lattice) const;
+  /// m^3, of lines along x, 16 through each cube, or up to 64 times as many if the lattice is to be graded.
+  double volume(const CentredLattice& lattice, bool is_graded) const;
 
  private:
   bool contains(const Vec3& x) const override { return at(x) < 0.0; }

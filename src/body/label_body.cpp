@@ -77,8 +77,9 @@ Model make_body(const LabelImage& image, const LabelBodyOptions& options, BodyRe
   double wanted_volume = 0.0;
   for (const double volume : field.volumes()) wanted_volume += volume;
   BodyReport own;
-  Model model = filled_body(LabelInterior(field), lattice, wanted_volume, filling, own,
-                            [&](Stuffing& body) { meet_interfaces(body, field, lattice.edge); });
+  Model model = filled_body(
+      LabelInterior(field), lattice, [&](bool) { return wanted_volume; }, filling, own,
+      [&](Stuffing& body) { meet_interfaces(body, field, lattice.edge); });
   require_volume(own, filling, [&] {
     return lost_parts([&](const Contains& see) { each_voxel(image, options.regions, see); },
                       {model.rest, surface_triangles(model), {}}, filling);

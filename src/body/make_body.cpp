@@ -39,7 +39,8 @@ Model make_body(const Surface& surface, const BodyOptions& options, BodyReport* 
   const CentredLattice lattice = lattice_over(box.min(), box.max(), options);
   const double volume = enclosed_volume(mended.triangles, mended.vertices);
   BodyReport own;
-  Model model = filled_body(SurfaceInterior(mended, lattice), lattice, volume, options, own);
+  Model model = filled_body(
+      SurfaceInterior(mended, lattice), lattice, [&](bool) { return volume; }, options, own);
   const Surface skin{model.rest, surface_triangles(model), {}};
   const auto sample = [&](const Contains& see) { sample_surface(mended, 0.5 * options.spacing, see); };
   const std::string lost = lost_parts(sample, skin, options), fused = fused_note(mended, skin);
@@ -64,7 +65,8 @@ Model make_body(const Solid& solid, const BodyOptions& options, BodyReport* repo
   const CentredLattice lattice = lattice_over(solid.low, solid.high, options);
   const SolidInterior interior(solid);
   BodyReport own;
-  Model model = filled_body(interior, lattice, interior.volume(lattice), options, own);
+  Model model = filled_body(
+      interior, lattice, [&](bool is_graded) { return interior.volume(lattice, is_graded); }, options, own);
   require_volume(own, options, {});
   if (report) *report = own;
   return model;

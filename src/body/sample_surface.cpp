@@ -16,6 +16,10 @@ namespace {
 
 /// Of a triangle in one direction.
 constexpr double most_cuts = 1000.0;
+/// Times as many parts along a triangle as along its shortest side: beyond, equal numbers would take far too many.
+constexpr int thin_ratio = 8;
+
+constexpr double most_rows = 1e15;  // of the grid, on either side of the origin
 
 /// Sums by cells of a grid, in the order of the cells.
 struct Merged {
@@ -24,25 +28,37 @@ struct Merged {
 };
 using Grid = std::map<std::array<std::int64_t, 3>, Merged>;
 
-/// Cuts the triangle into n^2 alike ones, of which those count whose centres are inside.
-void add_triangle(const std::array<Vec3, 3>& corner, double spacing, const Contains& inside, Grid& grid) {
+/// Cuts the triangle into n^2 alike ones, a long thin one into pieces of n strips across it. Those count whose centres
+/// are inside.
+void add_triangle(std::array<Vec3, 3> corner, double spacing, const Contains& inside, Grid& grid) {
+  const auto side = [&](int k) { return (corner[(k + 2) % 3] - corner[(k + 1) % 3]).norm(); };
+  const auto parts = [&](double length) {
+    return static_cast<int>(std::clamp(std::ceil(length / spacing), 1.0, most_cuts));
+  };
+  const auto add = [&](const Vec3& place, double area) {
+    if (!inside(place)) return;
+    std::array<std::int64_t, 3> cell;
+    for (int axis = 0; axis < 3; ++axis) cell[axis] = static_cast<std::int64_t>(std::floor(place[axis] / spacing));
+    Merged& sum = grid[cell];
+    sum.moment += area * place;
+    sum.area += area;
+  };
+  const std::array<double, 3> sides{side(0), side(1), side(2)};
+  const auto shortest = std::ranges::min_element(sides);
+  const int n = parts(std::ranges::max(sides)), wide = parts(*shortest);
+  const bool is_thin = n > thin_ratio * wide;
+  if (is_thin) std::ranges::rotate(corner, corner.begin() + (shortest - sides.begin()));
   const Vec3 along = corner[1] - corner[0], across = corner[2] - corner[0];
-  const double longest = std::max({along.norm(), across.norm(), (across - along).norm()});
-  const int n = static_cast<int>(std::clamp(std::ceil(longest / spacing), 1.0, most_cuts));
   const double area = 0.5 * along.cross(across).norm() / (n * n);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n - i; ++j) {
+    const double strip = 2.0 * i + 1.0, middle = (i * (i + 1.0) + 1.0 / 3.0) / (0.5 * strip * n);  // from the tip
+    for (int j = 0; is_thin && j < wide; ++j) {
+      add(corner[0] + middle * (along + (j + 0.5) / wide * (across - along)), strip / wide * area);
+    }
+    for (int j = 0; !is_thin && j < n - i; ++j) {
       for (const double third : {1.0 / 3.0, 2.0 / 3.0}) {  // of the triangle, and of the one turned over beside it
         if (third > 0.5 && i + j == n - 1) continue;
-        const Vec3 place = corner[0] + (i + third) / n * along + (j + third) / n * across;
-        if (!inside(place)) continue;
-        std::array<std::int64_t, 3> cell;
-        for (int axis = 0; axis < 3; ++axis) {
-          cell[axis] = static_cast<std::int64_t>(std::floor(place[axis] / spacing));
-        }
-        Merged& sum = grid[cell];
-        sum.moment += area * place;
-        sum.area += area;
+        add(corner[0] + (i + third) / n * along + (j + third) / n * across, area);
       }
     }
   }
@@ -65,6 +81,9 @@ SurfacePatch sample_surface(const Surface& surface, double spacing, const Contai
                     std::to_string(count - 1) + " at finite places, got " + std::to_string(vertex));
       }
       corner[k] = surface.vertices[vertex];
+      if (corner[k].cwiseAbs().maxCoeff() <= most_rows * spacing) continue;
+      throw Error("sample_surface: expected a surface within 1e15 spacings of the origin, got a spacing of " +
+                  to_decimal(spacing) + " m; is it in the wrong unit?");
     }
     add_triangle(corner, spacing, inside, grid);
   }

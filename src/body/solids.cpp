@@ -47,7 +47,10 @@ Solid joined(const char* what, Distances solids, Better better) {
   const auto shared = std::make_shared<const Distances>(std::move(solids));
   all.distance = [shared, better](const Vec3& x) {
     double value = clipped_distance(shared->front(), x);
-    for (std::size_t k = 1; k < shared->size(); ++k) value = better(value, clipped_distance((*shared)[k], x));
+    for (std::size_t k = 1; k < shared->size(); ++k) {
+      const double own = clipped_distance((*shared)[k], x);
+      value = std::isnan(own) ? own : better(value, own);
+    }
     return value;
   };
   return all;

@@ -232,6 +232,7 @@ MassBalance balance_masses(const Model& model, std::vector<double>& mass) {
   if (!(sum > 0.0)) return {};
   const double most = model.most_mass_moved * total;
   double low = std::log(sum / total), high = std::log(highest);
+  double reached = highest;
   std::vector<double> moved_so_far = mass, best = mass;
   MassBalance balance;
   for (int k = 0; k < halvings; ++k) {
@@ -245,16 +246,17 @@ MassBalance balance_masses(const Model& model, std::vector<double>& mass) {
     std::vector<double> corrected = tried.mass;
     keep_moments(model.rest, mass, corrected);
     const double moved = moved_between(mass, corrected);
-    if (moved > most) continue;
+    double rate = 0.0;  // what the correction leaves of the bound
+    for (std::size_t i = 0; i < mass.size(); ++i) {
+      if (mass[i] > 0.0) rate = std::max(rate, corrected[i] > 0.0 ? stiffness[i] / corrected[i] : highest);
+    }
+    if (moved > most || rate >= reached) continue;
     low = below;
     high = middle;
+    reached = rate;
     balance.moved = moved / total;
     best = std::move(corrected);
     moved_so_far = std::move(tried.mass);
-  }
-  double reached = 0.0;
-  for (std::size_t i = 0; i < mass.size(); ++i) {
-    if (mass[i] > 0.0) reached = std::max(reached, stiffness[i] / best[i]);
   }
   balance.gain = std::sqrt(highest / reached);
   if (!(balance.gain >= least_gain)) return {};

@@ -214,12 +214,12 @@ void look_for_repeats(const Model& model, const std::vector<char>& spare, std::v
        findings);
 }
 
-void look_at_masses(const Model& model, const std::vector<char>& spare, std::vector<Finding>& findings) {
+void look_at_masses(const Model& model, std::vector<Finding>& findings) {
   const double sum = std::accumulate(model.mass.begin(), model.mass.end(), 0.0);
   const double least = massless_ratio * sum / static_cast<double>(model.mass.size());
   std::vector<Index> items;
   for (Index i = 0; i < model.particle_count(); ++i) {
-    if (model.mass[i] < least && spare[i] == 0) items.push_back(i);
+    if (model.mass[i] > 0.0 && model.mass[i] < least) items.push_back(i);  // 0: spare, or all cells are removed
   }
   tell(Flaw::massless, items, false,
        counted(items.size(), "particle has", "particles have") + " next to no mass beside the mean: " +
@@ -305,7 +305,7 @@ std::vector<Finding> look(const Model& model, bool mending) {
   std::vector<char> spare(model.rest.size(), 0);
   for (const Index i : spare_particles_of(model)) spare[i] = 1;
   look_for_repeats(model, spare, findings);
-  look_at_masses(model, spare, findings);
+  look_at_masses(model, findings);
   look_at_neighbours(model, spare, mending, findings);
   look_at_units(model, findings);
   return findings;
@@ -314,7 +314,11 @@ std::vector<Finding> look(const Model& model, bool mending) {
 void turn_round(Cell& cell) {
   const std::span<const int> place = cell_reversal(cell.type);
   const std::vector<Index> old = cell.particles;
-  for (std::size_t v = 0; v < old.size(); ++v) cell.particles[v] = old[place[v]];
+  const std::vector<CellCut> cuts = cell.cuts;
+  for (std::size_t v = 0; v < old.size(); ++v) {
+    cell.particles[v] = old[place[v]];
+    for (std::size_t k = 0; k < cuts.size(); ++k) cell.cuts[k][v] = cuts[k][place[v]];
+  }
 }
 
 void remove_self_neighbours(RaggedList& neighbours) {

@@ -110,11 +110,12 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
 
 /// Particles without cells: the same for all of them. Masses from their share of space, which takes neighbours.
 void set_material_of_points(Model& model, const Material& material) {
-  validate(model);
+  Model changed = model;
+  if (changed.neighbours.entry.empty()) changed.neighbours.offset.assign(changed.rest.size() + 1, 0);
+  validate(changed);
   if (material.fibre_ratio > 1.0) {
     throw Error(ErrorCode::not_supported, "set_material: a body of points has no fibres; give it cells (make_body)");
   }
-  Model changed = model;
   if (changed.neighbours.entry.empty() && changed.particle_count() > 1) {
     changed.neighbours = nearest_neighbours(changed.rest, std::min(usual_neighbours, changed.particle_count() - 1));
   }
@@ -132,8 +133,9 @@ void set_material_of_points(Model& model, const Material& material) {
     changed.mass[i] = material.density * cells[i].volume;
     volume += cells[i].volume;
   }
-  changed.notes.push_back("set_material: no cell fills space; the particles are taken for a body of points, of " +
-                          to_decimal(volume) + (model.dimension == 3 ? " m^3" : " m^2"));
+  const std::string points = "set_material: no cell fills space; the particles are taken for a body of points, of ";
+  std::erase_if(changed.notes, [&](const std::string& note) { return note.starts_with(points); });
+  changed.notes.push_back(points + to_decimal(volume) + (model.dimension == 3 ? " m^3" : " m^2"));
   changed.materials = {material};
   model = std::move(changed);
 }

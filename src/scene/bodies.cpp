@@ -16,9 +16,11 @@
 namespace phymul {
 namespace {
 
+constexpr const char* all_bodies = "Bodies";  // the parent of their groups
+
 void require_joinable(std::span<const NamedBody> bodies) {
   if (bodies.empty()) throw Error("merge_models: expected one body or more, got none");
-  std::set<std::string> taken;
+  std::set<std::string> taken{all_bodies};
   for (const NamedBody& body : bodies) {
     const std::string label = "merge_models: body \"" + body.name + "\": ";
     if (body.model == nullptr) throw Error(label + "expected a model, got none");
@@ -27,7 +29,8 @@ void require_joinable(std::span<const NamedBody> bodies) {
                   "expected a name that is not empty and without '/', which stands between a body and its "
                   "groups");
     }
-    if (!taken.insert(body.name).second) throw Error(label + "expected a name of its own; another body has it");
+    if (!taken.insert(body.name).second)
+      throw Error(label + "expected a name of its own; another body has it, or their common group");
     if (body.model->dimension != bodies.front().model->dimension) {
       throw Error(label + "expected " + std::to_string(bodies.front().model->dimension) +
                   " dimensions, as the first body has, got " + std::to_string(body.model->dimension));
@@ -132,8 +135,8 @@ Model merge_models(std::span<const NamedBody> bodies) {
   Model all;
   all.dimension = bodies.front().model->dimension;
   all.most_mass_moved = 1.0;
-  Component names;  // the parent of the bodies' groups
-  names.name = "Bodies";
+  Component names;
+  names.name = all_bodies;
   names.exclusive = names.structural = false;
   all.components.push_back(std::move(names));
   for (const NamedBody& body : bodies) {

@@ -233,26 +233,29 @@ Domains domains_of(const Model& model, TaskRunner* host) {
 
 namespace {
 
-bool has_fibres(const Model& model) {
-  return std::ranges::any_of(model.materials, [](const Material& material) { return material.fibre_ratio > 1.0; });
+/// Of the materials that domains have: rows of Model::materials that no cell has say nothing.
+template <class Is>
+bool any_material(const Model& model, const Domains& domains, Is is) {
+  return std::ranges::any_of(domains.material, [&](Index row) { return is(model.materials[row]); });
 }
 
-bool stiffens(const Model& model) {
-  return std::ranges::any_of(model.materials, [](const Material& m) { return m.stiffening != Stiffening{}; });
+bool has_fibres(const Model& model, const Domains& domains) {
+  return any_material(model, domains, [](const Material& m) { return m.fibre_ratio > 1.0; });
+}
+
+bool dissipates(const Material& m) {
+  return m.retardation_time > 0.0 || m.relaxation_strength > 0.0;
 }
 
 /// TopologyTextures::dissipation.
 std::vector<DissipationTexel> dissipation_of(const Model& model, const Domains& domains) {
-  bool any = false;
-  std::vector<DissipationTexel> of_material;
+  std::vector<DissipationTexel> of_material, found;
+  if (!any_material(model, domains, dissipates)) return found;
   for (const Material& m : model.materials) {
-    any = any || m.retardation_time > 0.0 || m.relaxation_strength > 0.0;
     const double mu = 0.5 * m.young / (1.0 + m.poisson);
     of_material.push_back({mu, 2.0 * mu * m.poisson / (1.0 - 2.0 * m.poisson), m.retardation_time,
                            m.relaxation_strength, m.relaxation_time});
   }
-  std::vector<DissipationTexel> found;
-  if (!any) return found;
   for (const Index material : domains.material) found.push_back(of_material[material]);
   return found;
 }
@@ -260,16 +263,16 @@ std::vector<DissipationTexel> dissipation_of(const Model& model, const Domains& 
 /// Unit vectors along the fibres of each domain: the mean over its cells. A fibre has no sign: each is turned to the
 /// one before. Empty if no material has fibres.
 VecList fibres_of(const Model& model, const Domains& domains) {
-  if (!has_fibres(model)) return {};
+  if (!has_fibres(model, domains)) return {};
   VecList sum(domains.particle.size(), Vec3::Zero());
   for (Index row = 0; row < domains.of_cell.rows(); ++row) {
     const Cell& cell = model.cells[row];
     if (domains.of_cell.size(row) == 0 || !(model.materials[cell.material].fibre_ratio > 1.0)) continue;
-    if (!(cell.fibre.norm() > 0.0) || !cell.fibre.allFinite()) {
+    if (cell.fibre.isZero(0.0) || !cell.fibre.allFinite()) {
       throw Error(ErrorCode::invalid_model, cell_label(model, static_cast<std::size_t>(row)) +
                                                 " has a material with fibres but no direction: set Cell::fibre");
     }
-    const Vec3 along = std::abs(signed_measure(model.dimension, cell, model.rest)) * cell.fibre.normalized();
+    const Vec3 along = std::abs(signed_measure(model.dimension, cell, model.rest)) * unit_fibre(cell);
     for (const Index* d = domains.of_cell.begin(row); d != domains.of_cell.end(row); ++d) {
       sum[*d] += sum[*d].dot(along) < 0.0 ? Vec3(-along) : along;
     }
@@ -309,19 +312,20 @@ void add_spare_domains(const Model& model, TopologyTextures& topology) {
 }  // namespace
 
 void add_averaged_terms(const Model& model, TopologyTextures& topology) {
-  if (has_fibres(model)) topology.options.strain_energy = StrainEnergy::fibres;
-  if (stiffens(model)) {
-    if (has_fibres(model)) {
+  const bool points = is_body_of_points(model);
+  PointDomains body;
+  if (points) body = point_domains(model);
+  const Domains domains = points ? std::move(body.domains) : domains_of(model, topology.options.runner.get());
+  const bool fibres_there = has_fibres(model, domains);
+  if (fibres_there) topology.options.strain_energy = StrainEnergy::fibres;
+  if (any_material(model, domains, [](const Material& m) { return m.stiffening != Stiffening{}; })) {
+    if (fibres_there) {
       throw Error(ErrorCode::invalid_model,
                   "a model has a material with fibre_ratio above 1 and one with stiffening; expected one of the two, "
                   "because a body has one strain energy: set fibre_ratio to 1 or stiffening to zeros everywhere");
     }
     topology.options.strain_energy = StrainEnergy::stiffening;
   }
-  const bool points = is_body_of_points(model);
-  PointDomains body;
-  if (points) body = point_domains(model);
-  const Domains domains = points ? std::move(body.domains) : domains_of(model, topology.options.runner.get());
   if (points && !topology.options.stabiliser) {
     topology.options.stabiliser = std::max(body.stabiliser, least_stabiliser);
   }

@@ -347,7 +347,7 @@ void BodyEdit::turn_fibres(Index d) {
     const Cell& cell = model_.cells[row];
     if (cell.share == 0.0 || cell.material != domain.material) continue;
     if (!(model_.materials[cell.material].fibre_ratio > 1.0)) return;
-    const Vec3 along = std::abs(signed_measure(model_.dimension, cell, model_.rest)) * cell.fibre.normalized();
+    const Vec3 along = std::abs(signed_measure(model_.dimension, cell, model_.rest)) * unit_fibre(cell);
     sum += sum.dot(along) < 0.0 ? Vec3(-along) : along;
   }
   const EnergyConstants own =

@@ -7,7 +7,9 @@
 
 #include <phymul/topology_textures.h>
 
+#include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 namespace phymul {
@@ -31,6 +33,12 @@ inline constexpr double least_stabiliser = 0.25, least_stabiliser_of_layers = 0.
 
 constexpr const EnergyKind& kind_of(StrainEnergy energy) {
   return energy_kinds[static_cast<std::size_t>(energy)];
+}
+
+/// Along the fibres of a cell, which may have any length.
+inline Vec3 unit_fibre(const Cell& cell) {
+  const bool squares = std::isnormal(cell.fibre.squaredNorm());
+  return squares ? cell.fibre.normalized() : cell.fibre.stableNormalized();
 }
 
 /// `fibre`: the unit vector along the domain's fibres, or zero.

@@ -100,11 +100,12 @@ void treat_sparse(const Model& model, std::vector<Index> sparse, TopologyTexture
   const bool averaged = topology.options.law == Law::particle_averaged || topology.options.law == Law::walls;
   switch (topology.options.on_sparse) {
     case SparseParticle::error:
-      throw Error(ErrorCode::invalid_model,
-                  particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") +
-                      (averaged ? " no volume: put each in a cell, or set on_sparse to free"
-                                : " no base: " + how_to_get_bases(model, topology.options.bases) +
-                                      ", or set on_sparse to springs or free"));
+      throw Error(
+          ErrorCode::invalid_model,
+          particle_names(model, sparse) + (sparse.size() == 1 ? " has" : " have") +
+              (averaged ? " no volume: put each in a cell that has a material (set_material), or set on_sparse to free"
+                        : " no base: " + how_to_get_bases(model, topology.options.bases) +
+                              ", or set on_sparse to springs or free"));
     case SparseParticle::springs:
       require(!averaged, particle_names(model, sparse) + (sparse.size() == 1 ? " is" : " are") +
                              " in no cell that has a material, and springs would need a stiffness in N/m. Set "

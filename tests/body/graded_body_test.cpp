@@ -154,6 +154,17 @@ TEST(GradedBody, SurfacesFillAsTheSolidsDo) {
   EXPECT_NEAR(of_surface.volume, of_solid.volume, 2e-3 * of_solid.volume);
 }
 
+/// However coarse the lattice beneath, the shape is measured, and its surface moved, by the spacing that there is.
+TEST(GradedBody, FineAllOverHasTheVolumeOfItsShape) {
+  const double spacing = 0.1;
+  const auto fine = [=](const Vec3&) { return spacing / 8.0; };
+  BodyReport report;
+  make_body(solid_ball({0, 0, 0}, 0.05), {.spacing = spacing, .most_volume_error = 1.0, .spacing_at = fine}, &report);
+  EXPECT_NEAR(report.wanted_volume / ball_volume(0.05), 1.0, 0.015);
+  EXPECT_NEAR(report.volume / report.wanted_volume, 1.0, 1e-9);
+  EXPECT_LT(report.moved, 0.05 * report.largest_spacing);
+}
+
 TEST(GradedBody, RefusesFieldsOutOfRange) {
   const Solid ball = solid_ball({0, 0, 0}, 0.05);
   const auto filling = [&](double least, Index most = 1'000'000) {

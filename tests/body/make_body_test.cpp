@@ -240,6 +240,14 @@ TEST(MakeBody, RefusesALatticeBeyondItsNumbers) {
 }
 
 /// Spikes from a point of the lattice towards its neighbours, between the lines that the volume is measured along.
+TEST(MakeBody, RefusesAPartThatIsNotANumber) {
+  const Solid ball = solid_ball({0, 0, 0}, 0.01), none{[](const Vec3&) { return std::nan(""); }, ball.low, ball.high};
+  for (const Solid& solid : {solid_union({ball, none}), solid_intersection({ball, none}), solid_union({none, ball}),
+                             solid_difference(ball, none)}) {
+    EXPECT_TRUE(refuses([&] { make_body(solid, {.spacing = 0.004}); }, "distance is not a number at"));
+  }
+}
+
 TEST(MakeBody, RefusesAVolumeOfNothing) {
   const double edge = 0.01, spacing = edge * CentredLattice::mean_length;
   const Vec3 point = Vec3::Constant(-0.25 * edge);
@@ -298,6 +306,27 @@ TEST(LostParts, AThinHornIsNamedWithPlaceAndLength) {
     const double added = 4.0 * std::numbers::pi * 0.05 * 0.05 * report.moved;
     EXPECT_NEAR(report.volume - report.unmoved_volume, added, 0.1 * std::abs(added));
     EXPECT_TRUE(make_body(box_surface({0, 0, 0}, {0.1, 0.06, 0.08}), {.spacing = spacing}).notes.empty());
+  }
+}
+
+/// A triangle of a drawn tube is as long as the tube and as wide as one of its many sides.
+TEST(SampleSurface, OfAThinTriangleTakesFewSamples) {
+  for (const int turn : {0, 1, 2}) {
+    Surface thin{{Vec3(0.0, 0, 0), Vec3(1.0, 1e-3, 0.2), Vec3(1.0, -1e-3, 0.2)}, {{0, 1, 2}}, {}};
+    std::ranges::rotate(thin.triangles[0], thin.triangles[0].begin() + turn);
+    int samples = 0;
+    const SurfacePatch patch = sample_surface(thin, 0.006, [&](const Vec3&) { return ++samples > 0; });
+    EXPECT_LT(samples, 300);
+    double area = 0.0;
+    Vec3 moment = Vec3::Zero();
+    for (std::size_t k = 0; k < patch.points.size(); ++k) {
+      area += patch.areas[k];
+      moment += patch.areas[k] * patch.points[k];
+    }
+    EXPECT_NEAR(area, 1e-3 * std::sqrt(1.04), 1e-12);
+    EXPECT_LT((moment / area - Vec3(2.0, 0, 0.4) / 3.0).norm(), 1e-9);
+    EXPECT_GT(patch.points.size(), 150u);
+    EXPECT_TRUE(refuses([&] { sample_surface(thin, 1e-25, [](const Vec3&) { return true; }); }, "within 1e15 spac"));
   }
 }
 

@@ -115,5 +115,16 @@ TEST(TissueSurface, RefusesPlanes) {
   EXPECT_TRUE(says(message_of([] { tissue_surface(make_strip(0.06, 0.03, 8, 4)); }), "three dimensions"));
 }
 
+/// check_mesh() turns their cuts round with them.
+TEST(TissueSurface, OfCutCellsThatWereInsideOut) {
+  Model mirrored = slab();
+  for (Cell& cell : mirrored.cells) std::swap(cell.particles[0], cell.particles[1]);
+  Model cut = cut_body(mirrored, cut_plane({0.05, 0.02, 0.02}, {1, 0.2, 0.1}));
+  check_mesh(cut);
+  const TissueSurface surface = tissue_surface(cut);
+  const double whole = volume(slab(), slab().rest);
+  EXPECT_NEAR(measures(surface, surface.at(cut.rest)).volume, whole, 1e-9 * whole);
+}
+
 }  // namespace
 }  // namespace phymul

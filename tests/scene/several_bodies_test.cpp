@@ -161,6 +161,7 @@ TEST(SeveralBodies, WhatCannotBeMergedIsRefused) {
   EXPECT_TRUE(says(refused({}), "one body or more"));
   EXPECT_TRUE(says(refused({{"a/b", &bare}}), "without '/'"));
   EXPECT_TRUE(says(refused({{"a", &bare}, {"a", &bare}}), "another body has it"));
+  EXPECT_TRUE(says(refused({{"a", &bare}, {"Bodies", &bare}}), "\"Bodies\": expected a name of its own"));
   EXPECT_TRUE(says(refused({{"a", &bare}, {"b", &flat}}), "expected 3 dimensions"));
   EXPECT_TRUE(says(refused({{"a", &organs.soft}, {"b", &bare}}), "a material on every body or on none"));
   const Load load{.particles = {0, 2}, .toward = -1};

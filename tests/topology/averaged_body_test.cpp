@@ -305,7 +305,7 @@ TEST(AveragedBody, NonsenseIsRefusedWithWhatToDo) {
   EXPECT_TRUE(says(refused(folded), "is folded or inside out at rest"));
   Model loose = with_material(block);
   add_particle(loose, {0.1, 0.1, 0.1});
-  EXPECT_TRUE(says(refused(loose), "particle 27 has no volume: put each in a cell"));
+  EXPECT_TRUE(says(refused(loose), "particle 27 has no volume: put each in a cell that has a material (set_material)"));
   EXPECT_TRUE(says(refused(loose, {.on_sparse = SparseParticle::springs}), "in no cell that has a material"));
   EXPECT_EQ(refused(loose, {.on_sparse = SparseParticle::free}), "(no error)");
   Model bare = with_material(block);

@@ -89,6 +89,31 @@ TEST(Fibres, WithoutADirectionAreRefused) {
   EXPECT_TRUE(says(refused({}), "fibre_ratio of 1 (no fibres) or more, got 0.5"));
 }
 
+TEST(Fibres, MayHaveAnyLength) {
+  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  Material tissue = soft_tissue(0.3);
+  tissue.fibre_ratio = 2.0;
+  set_material(model, tissue);
+  for (const double length : {1.0, 1e-200, 1e200}) {
+    for (Cell& cell : model.cells) cell.fibre = Vec3(0, length, 0);
+    EXPECT_EQ(build_topology(model).energies.front()[4], 1.0) << length;
+  }
+}
+
+/// A row of Model::materials that no cell has changes no law.
+TEST(MaterialTables, OfMaterialsWithoutCellsTakeNothing) {
+  Model model = make_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  set_material(model, soft_tissue(0.3));
+  Material fibrous = soft_tissue(0.3), stiffens = fibrous, viscous = fibrous;
+  fibrous.fibre_ratio = 2.0;
+  stiffens.stiffening = {.exponential = 0.5, .exponent = 1.0};
+  viscous.retardation_time = 0.01;
+  model.materials.insert(model.materials.end(), {fibrous, stiffens, viscous});
+  const TopologyTextures tables = build_topology(model);
+  EXPECT_EQ(tables.options.strain_energy, StrainEnergy::neo_hookean);
+  EXPECT_TRUE(tables.dissipation.empty());
+}
+
 const Vec3 slender(0.2, 0.05, 0.05);
 
 std::vector<std::string> notes(Model model) {

@@ -306,6 +306,16 @@ TEST(PointBody, PlaneBodiesOfPoints) {
   std::printf("strip: s %.3f\n", *tables.options.stabiliser);
 }
 
+TEST(PointBody, WithoutNeighboursGetsTheNearestOnes) {
+  Model given = jittered_lattice({0.02, 0.02, 0.02}, 2, 0.2), bare = given;
+  given.neighbours = nearest_neighbours(given.rest, 20);
+  bare.neighbours = RaggedList{};
+  for (Model* model : {&given, &bare, &bare}) set_material(*model, soft_tissue());
+  EXPECT_EQ(bare.neighbours, given.neighbours);
+  EXPECT_EQ(bare.mass, given.mass);
+  EXPECT_EQ(bare.notes, given.notes);  // said once
+}
+
 TEST(PointBody, NonsenseIsRefusedWithWhatToDo) {
   const auto refused = [](const Model& model) { return message_of([&] { build_topology(model, averaged); }); };
   const Model good = with_material(jittered_lattice({0.03, 0.03, 0.03}, 3, 0.2));
