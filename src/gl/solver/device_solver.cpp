@@ -51,9 +51,9 @@ DeviceSolver::~DeviceSolver() {
 /// draws a step: contacts. And not tabled there: which volumes an edit of the body has opened, and faces of cuts that
 /// touch.
 bool DeviceSolver::acts_on_host() const {
-  return holds_what_is_pushed() ||
-         (scene().contacts() && (backend_ == GlBackend::fragment || has_cuts(model()))) || scene().any_volume_open() ||
-         !scene().threads().empty() || std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
+  return holds_what_is_pushed() || (scene().contacts() && (backend_ == GlBackend::fragment || has_cuts(model()))) ||
+         scene().any_volume_open() || !scene().threads().empty() ||
+         std::ranges::any_of(scene().tools(), [](const SceneTool& own) {
            return own.tool.contact == ToolContact::surface || !beyond_pressing(own.tool).empty();
          });
 }

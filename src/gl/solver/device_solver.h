@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // The backends "gl" and "gl-compute": state and constants on the device, one small read a batch of steps. What searches
-// or goes in order acts on the host, in open steps: needles, tools that touch surfaces, on "gl" contacts too, what tools
-// hold that contacts or kept volumes push, and with any of these all tools, contacts and kept volumes.
+// or goes in order acts on the host, in open steps: needles, tools that touch surfaces, on "gl" contacts too, what
+// tools hold that contacts or kept volumes push, and with any of these all tools, contacts and kept volumes.
 #pragma once
 
 #include <phymul/backend.h>
