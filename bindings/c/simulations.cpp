@@ -364,7 +364,10 @@ phymul_status phymul_save(const phymul_simulation* sim, const char* path) {
 }
 
 phymul_status phymul_load(phymul_simulation* sim, const char* path) {
-  return guarded([&] { moving(sim).load(&need(path, "a path")); });
+  return guarded([&] {
+    of(sim).load(&need(path, "a path"));
+    moving(sim);
+  });
 }
 
 phymul_status phymul_record(phymul_simulation* sim) {
@@ -376,7 +379,10 @@ phymul_status phymul_save_recording(const phymul_simulation* sim, const char* pa
 }
 
 phymul_status phymul_replay(phymul_simulation* sim, const char* path) {
-  return guarded([&] { moving(sim).replay(read_recording(&need(path, "a path"))); });
+  return guarded([&] {
+    Recording recording = read_recording(&need(path, "a path"));
+    moving(sim).replay(std::move(recording));
+  });
 }
 
 phymul_status phymul_write_vtu(const phymul_simulation* sim, const char* path) {

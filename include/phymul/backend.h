@@ -191,6 +191,7 @@ class SolverBackend : public Solver {
                                  const std::vector<std::uint8_t>& fixed) const;
   bool any_tool_grasps() const;
   StepReport advance(int n, double dt, bool stop_at_rest, const Damping& damping);
+  StepReport still(const StepReport& call) const;
   StepPlan plan_for(int n, double dt, const Damping& damping, bool beyond_limit) const;
   int tissue_gave_way() const;  // ToolReport::tissue_gave_way of all tools
   void note_strain(const Motion& motion, StepReport& report);
@@ -207,13 +208,17 @@ class SolverBackend : public Solver {
   SolverOptions options_;
   LoadFrame frame_;
   std::uint64_t scene_version_ = 0, values_version_ = 0;
-  std::optional<Index> loose_;             // RestResult's, of the scene of these versions; empty: not yet looked for
-  double growth_ = 0.0, speed_ = 0.0;      // Snapshot's
-  double dt_before_ = 0.0, passed_ = 0.0;  // s, of the last step, 0: there was none; and passed since without one
-  Index first_beyond_ = -1;                // StepReport's
-  double beyond_since_ = 0.0;              // s
-  std::optional<bool> all_held_;           // of the scene of these versions; empty: not yet looked for
-  mutable double growth_of_state_ = 0.0;   // where growth_ is 0; 0: not yet computed
+  std::optional<Index> loose_;         // RestResult's, of the scene of these versions; empty: not yet looked for
+  double growth_ = 0.0, speed_ = 0.0;  // Snapshot's
+  struct LastStep {
+    double dt = 0.0;      // s; 0: there was none
+    double passed = 0.0;  // s, since then without a step
+    StepReport report{};
+  } last_{};
+  Index first_beyond_ = -1;               // StepReport's
+  double beyond_since_ = 0.0;             // s
+  std::optional<bool> all_held_;          // of the scene of these versions; empty: not yet looked for
+  mutable double growth_of_state_ = 0.0;  // where growth_ is 0; 0: not yet computed
   mutable std::optional<std::uint64_t> topology_hash_;
   // Of the restored snapshot, until a step is done or reset() called; by SceneTool::id and SceneJoint::id.
   std::map<std::uint64_t, ToolReport> tools_before_;

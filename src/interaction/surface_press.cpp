@@ -338,11 +338,17 @@ double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<do
 void SurfacePress::act(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                        const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
   if (!knows_near(shape, start, end, touched)) find_near(shape, start, end, touched);
-  const double first = press_all(shape, law, start, end, touched, force);
-  if (!law.placed || !lets_surface_out(touched.dt(), touched.last_dt())) return;
-  const double may_stay = first * std::pow(touched.dt() / touched.last_dt(), 2);
-  for (int again = 0; again < most_again && press_all(shape, law, start, end, touched, force) > may_stay; ++again) {
+  const int others = force.particles;
+  double deep = press_all(shape, law, start, end, touched, force);
+  if (!law.placed || law.compliance > 0.0 || !lets_surface_out(touched.dt(), touched.last_dt())) return;
+  const double may_stay = deep * std::pow(touched.dt() / touched.last_dt(), 2);
+  int most = force.particles;  // each of them once
+  for (int again = 0; again < most_again && deep > may_stay; ++again) {
+    force.particles = others;
+    deep = press_all(shape, law, start, end, touched, force);
+    most = std::max(most, force.particles);
   }
+  force.particles = most;
 }
 
 }  // namespace phymul

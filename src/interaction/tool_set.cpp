@@ -292,7 +292,8 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     tool.next_force = {};
     tool.moved.motion.advance(touched.dt());
-    tool.law.placed = tool.moved.motion.placed || (tool.surface && lets_surface_out(touched.dt(), touched.last_dt()));
+    tool.law.placed = tool.moved.motion.placed ||
+                      (tool.surface && tool.law.compliance == 0.0 && lets_surface_out(touched.dt(), touched.last_dt()));
     if (tool.moved.grasps || tool.moved.releases) tool.before = tool.moved;
     if (tool.needle) tool.needle->remember();
     if (tool.needle && tool.is_taken) tool.needle->set_free(false);

@@ -26,8 +26,7 @@
 namespace phymul {
 namespace {
 
-/// Of request_read.
-constexpr std::size_t most_copies = 3;
+constexpr std::size_t most_copies = 3;  // of request_read()
 
 bool are_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -160,7 +159,8 @@ void SolverBackend::reset(const State& given) {
   do_reset(state);
   joints_->reset(state);
   bring_back_reports({});
-  growth_ = growth_of_state_ = speed_ = dt_before_ = passed_ = 0.0;
+  growth_ = growth_of_state_ = speed_ = 0.0;
+  last_ = {};
   first_beyond_ = -1;
 }
 
@@ -299,7 +299,7 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   growth_ = snapshot.growth;
   first_beyond_ = -1;
   speed_ = snapshot.max_speed;
-  dt_before_ = snapshot.last_dt, passed_ = 0.0;
+  last_ = {.dt = snapshot.last_dt, .report = {.max_speed = speed_, .growth = growth_}};
   growth_of_state_ = 0.0;
 }
 
