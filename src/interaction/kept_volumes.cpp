@@ -152,6 +152,10 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
     push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
     push.before = surface.has_pressure ? surface.now.pressure_before : push.now;
   }
+  if (touched.is_remainder() && !push.has_law()) {
+    surface.next = surface.now;
+    return true;
+  }
   // By the same sum as Scene's, so that rest stays rest.
   const double reached = enclosed_volume(surface.triangles, surface.end);
   const auto along = volume_along(surface.triangles, surface.end, surface.along);

@@ -91,6 +91,9 @@ class TouchedParticles {
 
   double dt() const { return dt_; }
   double last_dt() const { return last_dt_; }
+  /// Whether the step is a remainder, as at the end of a loop of calls: so short that an impulse which puts right what
+  /// single precision rounds would be a blow.
+  bool is_remainder() const { return dt_ < 1e-3 * last_dt_; }
   const PredictedStep& step() const { return *step_; }
   std::span<const double> mass() const { return mass_; }  ///< kg, of all particles
   std::size_t count() const { return touched_.size(); }

@@ -191,13 +191,16 @@ void ToolSet::take_hold(Moving& tool, TouchedParticles& touched) {
   tool.moved.weigh_held(touched.mass());
 }
 
-/// The impulse that takes each held particle to its place in the frame of the step's end.
+/// The impulse that takes each held particle to its place in the frame of the step's end. In a remainder from its place
+/// at the start.
 void ToolSet::hold(Moving& tool, TouchedParticles& touched) {
-  const ToolFrame end(tool.moved.motion.next_pose);
+  const ToolFrame start(tool.moved.motion.pose), end(tool.moved.motion.next_pose);
   const double dt = touched.dt();
   for (std::size_t k = 0; k < tool.moved.held.size(); ++k) {
     TouchedParticles::Touched& particle = touched[touched.slot(tool.moved.held[k])];
-    const Vec3 velocity = (end.outside(tool.moved.held_at[k]) - particle.position) / dt;
+    const Vec3 from = touched.is_remainder() ? start.outside(tool.moved.held_at[k]) : particle.position;
+    particle.shift += particle.free_part(from - particle.position);
+    const Vec3 velocity = (end.outside(tool.moved.held_at[k]) - from) / dt;
     const Vec3 given = TouchedParticles::push(particle, (velocity - particle.velocity) / particle.inverse_mass);
     particle.held = true;
     react(tool.next_force, end, particle.position, given - dt * particle.free_part(particle.withheld), dt);
@@ -292,7 +295,7 @@ void ToolSet::act(TouchedParticles& touched) {
   for (Moving& tool : tools_) {
     tool.next_force = {};
     tool.moved.motion.advance(touched.dt());
-    tool.law.placed = tool.moved.motion.placed ||
+    tool.law.placed = tool.moved.motion.placed || touched.is_remainder() ||
                       (tool.surface && tool.law.compliance == 0.0 && lets_surface_out(touched.dt(), touched.last_dt()));
     if (tool.moved.grasps || tool.moved.releases) tool.before = tool.moved;
     if (tool.needle) tool.needle->remember();

@@ -296,10 +296,10 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   joints_->reset(snapshot.state);
   bring_back_reports(snapshot);
   copies_.clear();
-  growth_ = snapshot.growth;
+  growth_ = snapshot.growth, speed_ = snapshot.max_speed;
   first_beyond_ = -1;
-  speed_ = snapshot.max_speed;
   last_ = {.dt = snapshot.last_dt, .report = {.max_speed = speed_, .growth = growth_}};
+  last_.report.at_rest = snapshot.steps_at_rest >= options_.rest_steps;
   growth_of_state_ = 0.0;
 }
 

@@ -85,6 +85,7 @@ void SolverBackend::body_changed() {
   loose_.reset();
   all_held_.reset();
   growth_of_state_ = 0.0;
+  last_.report.at_rest = false;
   copies_.clear();
   scene_->prepare(frame_);
   follow_joints();

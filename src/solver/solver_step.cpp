@@ -22,9 +22,9 @@ namespace {
 
 /// A step this much beyond the limit still counts as at it: the limit itself was rounded.
 constexpr double limit_slack = 1e-9;
-/// Of the step before: what is left at the end of calls whose times add up to one, often by rounding. A body hardly
-/// moves in it, but what touches it would put right, with a blow, what single precision has rounded in places.
-constexpr double remainder_share = 1e-3;
+/// Of the step before: what rounding leaves at the end of calls whose times add up to one. No state of a body moves in
+/// it, but what touches it would put right, with a blow, what single precision has rounded in places.
+constexpr double remainder_share = 1e-6;
 /// Speeds beyond this many times spacing times omega_max (twice the wave speed or so) are a failure, not a motion.
 constexpr double runaway_factor = 1e6;
 /// Of the body, from rest: with parts held, stretches of ten and more lie between.
@@ -208,18 +208,12 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
     report.cause = cause;
     return report;
   }
-  const bool changed = scene_version_ != scene_->version() || values_version_ != scene_->values_version();
+  if (scene_version_ != scene_->version() || values_version_ != scene_->values_version()) last_.report.at_rest = false;
   follow_scene();
-  if (n > 0 && !stop_at_rest && dt < remainder_share * last_.dt) {
-    if (last_.passed + n * dt < remainder_share * last_.dt && do_pass_time(n * dt)) {
-      last_.passed += n * dt;
-      last_.report.at_rest = last_.report.at_rest && !changed;
-      return still(report);
-    }
-    // One that makes up for them, and is not much shorter than that share: then nothing gives a blow.
-    if (n == 1 && do_pass_time(-last_.passed)) report.dt = dt += last_.passed;
+  if (n > 0 && !stop_at_rest && last_.passed + n * dt < remainder_share * last_.dt && do_pass_time(n * dt)) {
+    last_.passed += n * dt;
+    return still(report);
   }
-  if (n > 0) last_.passed = 0.0;
   StepPlan plan = plan_for(n, dt, damping, report.beyond_limit);
   plan.stop_at_rest = stop_at_rest;
   const int broken_before = joints_->broken(), gave_way_before = tissue_gave_way();
@@ -241,10 +235,7 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
   note_strain(motion, report);
   report_failure(motion, report);
-  if (n > 0) {
-    last_.report = report;
-    last_.dt = report.ok() || report.status == StepStatus::carried_away ? dt : 0.0;
-  }
+  if (motion.steps > 0) last_ = {.dt = dt, .report = report.ok() ? report : last_.report};
   return report;
 }
 

@@ -112,6 +112,39 @@ TEST(ToolSwing, MeetsWhatIsBeyondTheChord) {
   }
 }
 
+/// As the last step of a loop of `advance(min(tick, end - time))`, but long enough to be one: single precision leaves
+/// places off by more than such a step goes.
+TEST(ToolRemainder, IsNoBlow) {
+  const Model model = soft_block({0.02, 0.02, 0.02}, 2, 2, 2);
+  for (const char* backend : {"reference", "cpu"}) {
+    for (const bool holds : {false, true}) {
+      for (const ToolContact contact : {ToolContact::particles, ToolContact::surface}) {
+        Scene scene(model);
+        ToolPose pose{.position = {0.0103, 0.0098, 0.0235}};
+        const ToolHandle plate =
+            scene.fix("z0").add_tool("plate", {.shape = Box{{0.012, 0.012, 0.002}}, .pose = pose, .contact = contact});
+        if (holds) plate.grasp(2.5e-3);
+        const auto solver = make_solver(backend, model, scene, {}, damped(150.0));
+        const double dt = 0.4 * solver->stable_step();
+        ASSERT_TRUE(solver->step(1, dt).ok());
+        pose.position.z() -= 2.2e-3;
+        plate.move_to(pose);
+        for (int k = 0; k < 2; ++k) ASSERT_TRUE(solver->step(200, dt).ok());
+        ASSERT_GT(solver->tool_force("plate").force.z(), 0.1);
+        EXPECT_LT(solver->step(1, 2e-6 * dt).max_speed, 1e-4) << backend << holds << (contact == ToolContact::surface);
+        EXPECT_TRUE(solver->step(100, dt).ok());
+      }
+    }
+    Scene scene(model);
+    scene.fix("z0").gravity({0, 0, -9.81}).constrain_volume();
+    const auto solver = make_solver(backend, model, scene, {}, damped(150.0));
+    const double dt = 0.4 * solver->stable_step();
+    ASSERT_TRUE(solver->step(400, dt).ok());
+    EXPECT_LT(solver->step(1, 2e-6 * dt).max_speed, 1e-2) << backend;
+    EXPECT_TRUE(solver->step(100, dt).ok());
+  }
+}
+
 /// Of ToolContact::surface: what a step leaves inside is more than what the short ones after it leave.
 TEST(ToolSteps, ShortOnesThatFollowPressNoHarder) {
   const Model model = soft_block({0.02, 0.02, 0.02}, 3, 3, 3);

@@ -231,7 +231,8 @@ SolverBackend::Motion DeviceSolver::do_step(const StepPlan& plan) {
   } catch (const Unreachable&) {  // the device and its state stay, for when the host makes its context current again
     return lost_motion();
   } catch (const Error&) {
-    if (!context_->lost() && loads_version_ != scene().version()) throw;  // the changed scene does not fit the device
+    // What has changed does not fit the device.
+    if (!context_->lost() && (loads_version_ != scene().version() || holds_pushed_ != holds_what_is_pushed())) throw;
   } catch (...) {  // a device that refuses what it did before is lost to us
   }
   recover();
