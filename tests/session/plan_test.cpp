@@ -202,15 +202,18 @@ TEST(Plan, FollowsMotionUnderLoadsAndTools) {
 
 TEST(Plan, SaysWhichMotionWasMeasuredInPart) {
   double step = 0.0;
+  int ticks = 0;
   const auto moving = [&](const PlanCandidate& candidate) {
     step = candidate.step;
+    ticks = 0;
     return sagging(candidate);
   };
+  // For longer than the budget, which suffices for the first motion on any machine.
   const auto wait = [&](Simulation&) {
-    if (step < 0.4) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    if (step < 0.4 && ++ticks == 3) std::this_thread::sleep_for(std::chrono::milliseconds(1600));
   };
   PlanOptions options{.max_error = 0.9, .rate = 500, .probe_time = 0.02, .before_tick = wait};
-  options.coarsest = 0.05, options.finest = 0.02, options.budget = 0.2, options.steps = {0.5, 0.25};
+  options.coarsest = 0.05, options.finest = 0.02, options.budget = 1.5, options.steps = {0.5, 0.25};
   options.most_threads = 1;
   const Plan made = plan(moving, options);
   EXPECT_TRUE(says(made.report(), "the budget ended at ", " of 10 ticks")) << made.report();
