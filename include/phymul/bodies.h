@@ -32,12 +32,12 @@ Model moved(Model model, const Vec3& by);  ///< its rest shape elsewhere, m
 /// A load of a body by itself, for the model it was merged into; `first`: the row of the body's first particle there.
 Load for_merged(Load load, Index first);
 
-/// Particles that neighbours and cells hold together; where cells are cut or removed, cells alone. Particles all of
-/// whose cells are removed are in none.
+/// Particles that neighbours and cells hold together; where cells are cut or removed, cells alone. Faces and edges of a
+/// mesh file that lie on cells of tissue hold nothing. Particles all of whose cells are removed are in none.
 struct ConnectedBody {
   std::string name;              ///< the shortest one of a group of just these particles; empty: there is none
   std::vector<Index> particles;  ///< sorted
-  std::vector<Index> cells;      ///< rows of Model::cells, ascending
+  std::vector<Index> cells;      ///< those that hold it together: rows of Model::cells, ascending
   double volume = 0.0;           ///< m^3 (2-D: m^2), at rest; walls by their thickness
 };
 std::vector<ConnectedBody> connected_bodies(const Model& model);  ///< by first particle
