@@ -124,8 +124,8 @@ class Solver {
   /// Does n steps of dt seconds; dt must be finite and at least 1e-18 s. Applies changes of the scene first. After a
   /// failure the last good state is kept. n = 0 only applies the changes; the report's residual, max_speed and at_rest
   /// then have no meaning. Calls that together last less than 1e-6 of the step before pass time alone, with no step and
-  /// the report of that one: what rounding leaves at the end of calls whose times add up to one. What was asked of tools
-  /// waits. StepStatus::invalid_step for other arguments or while another call of it or run_to_rest() runs.
+  /// the report of that one: what rounding leaves at the end of calls whose times add up to one. What was asked of
+  /// tools waits. StepStatus::invalid_step for other arguments or while another call of it or run_to_rest() runs.
   virtual StepReport step(int n, double dt) = 0;
 
   /// Steps until the body is at rest (SolverOptions::rest_tolerance), at most max_steps. Does not wait for load events
