@@ -235,7 +235,8 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
   note_strain(motion, report);
   report_failure(motion, report);
-  if (motion.steps > 0) last_ = {.dt = dt, .report = report.ok() ? report : last_.report};
+  const bool stands = report.ok() || report.status == StepStatus::carried_away;  // else an older state does
+  if (motion.steps > 0) last_ = {.dt = dt, .report = stands ? report : last_.report};
   return report;
 }
 

@@ -113,6 +113,9 @@ TEST_P(StrainReport, ABodyThatIsCarriedAwayIsAFailure) {
   EXPECT_LT(report.beyond_since, 0.9 * report.time);
   EXPECT_LT(largest_distance(solver->read().position, beam.rest), 5.0);
   EXPECT_TRUE(says(report.message(), "carried_away: particle"));
+  const StepReport still = solver->step(1, 1e-9 * report.dt);  // passes time alone
+  EXPECT_EQ(still.status, StepStatus::carried_away);
+  EXPECT_EQ(still.beyond_law, report.beyond_law);
 }
 
 /// Nothing holds it: it may fly as far as it likes.
