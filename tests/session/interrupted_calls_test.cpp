@@ -219,7 +219,7 @@ TEST_P(Remainders, SayWhatStillHolds) {
   EXPECT_TRUE(sim.advance(2e-14).at_rest);
 }
 
-/// Whoever goes on with them means it.
+/// Many of them add up to a time in which steps are due.
 TEST_P(Remainders, AddUpToAStep) {
   Simulation sim(make_block({0.04, 0.04, 0.04}, 3, 3, 3), {.material = soft_tissue(), .backend = GetParam()});
   sim.scene().fix("z0").gravity({0, 0, -9.81});
