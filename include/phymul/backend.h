@@ -149,7 +149,8 @@ class SolverBackend : public Solver {
   virtual void do_read(State& state) const = 0;
   virtual Energy do_energy() const = 0;
   virtual double do_time() const = 0;
-  virtual bool do_pass_time(double) { return false; }  ///< s: the state is as much later; false: it is not
+  /// Adds seconds to the state's time without a step. False: the backend cannot, and such a call is stepped.
+  virtual bool do_pass_time(double) { return false; }
   virtual std::string do_device() const = 0;
   // Optional: access without waiting or without a copy. The defaults use read().
   virtual void do_request_read();

@@ -42,13 +42,6 @@ int face_of(const BoxPlanes& box, const Vec3& q) {
   return 2 * axis + (below[axis] > above[axis] ? 1 : 0);
 }
 
-/// As distance_from_box(), below the surface.
-Depth<double> depth_below(const BoxPlanes& box, const Vector3<double>& q) {
-  const Vec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
-  const Distance<double> from = distance_from_box(q - unpacked(middle), unpacked(half));
-  return {-from.phi, from.normal};
-}
-
 }  // namespace
 
 SurfacePress::SurfacePress(const ContactSurface& surface, const Model& model, const Tool& tool)
@@ -229,18 +222,13 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
   }
 }
 
-/// How deep a point is now, with the impulses of past rounds.
-Depth<double> SurfacePress::depth_in(const ShapeIn<double>& shape, const Pressed& point) const {
-  const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
-  return point.box ? depth_below(*point.box, to) : depth_of(shape, point.from, to, to - point.from);
-}
-
 /// Particles take nothing before hand_over(). m, how deep the point was; 0: there is nothing for them.
 double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point,
                            double dt) {
   if (!(point.inverse_mass > 0.0)) return 0.0;
-  if (point.box && !law.placed) return press_below(*point.box, law.compliance, point, dt);
-  const Depth<double> in = depth_in(shape, point);
+  if (point.box) return press_below(*point.box, shape, law, point, dt);
+  const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
+  const Depth<double> in = depth_of(shape, point.from, to, to - point.from);
   if (!(in.depth > 0.0)) return 0.0;
   ContactLaw<double> own_law = law;
   own_law.friction = 0.0;             // rub(): so the point's way does not count
@@ -254,20 +242,27 @@ double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double
   return in.depth;
 }
 
-/// The same for a point of PointsInBox, in few operations: its normals are the box's axes.
-double SurfacePress::press_below(const BoxPlanes& box, double compliance, const Pressed& point, double dt) {
+/// The same for a point of PointsInBox, in few operations: its normal is one of the box's axes.
+double SurfacePress::press_below(const BoxPlanes& box, const ShapeIn<double>& shape, const ContactLaw<double>& law,
+                                 const Pressed& point, double dt) {
   Corner &a = corners_[point.corner.row[0]], &b = corners_[point.corner.row[1]], &c = corners_[point.corner.row[2]];
   const double of_a = point.share[0], of_b = point.share[1], of_c = point.share[2];
   const Vec3 off = of_a * a.to + of_b * b.to + of_c * c.to - 0.5 * (box.low + box.high);
   const Vec3 above = off.cwiseAbs() - 0.5 * (box.high - box.low);
   const int axis = above[0] >= above[1] && above[0] >= above[2] ? 0 : above[1] >= above[2] ? 1 : 2;
-  const double depth = -above[axis];
+  const double depth = -above[axis], side = off[axis] < 0.0 ? -1.0 : 1.0;
   if (!(depth > 0.0)) return 0.0;
-  const double size = depth * dt / (compliance * point.crowd + dt * dt * point.inverse_mass);
-  const double impulse = off[axis] < 0.0 ? -size : size;
+  double before = 0.0;
+  if (law.placed && law.compliance == 0.0) before = std::clamp(-distance_to(shape, point.from).phi, 0.0, depth);
+  const double impulse = side * ((depth - before) * dt / (law.compliance * point.crowd + dt * dt * point.inverse_mass));
   a.impulse[axis] += of_a * impulse;
   b.impulse[axis] += of_b * impulse;
   c.impulse[axis] += of_c * impulse;
+  if (before > 0.0) {
+    a.shift[axis] += of_a / point.inverse_mass * (side * before);
+    b.shift[axis] += of_b / point.inverse_mass * (side * before);
+    c.shift[axis] += of_c / point.inverse_mass * (side * before);
+  }
   return depth;
 }
 

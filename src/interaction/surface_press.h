@@ -119,11 +119,11 @@ class SurfacePress {
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
   void keep(const Corners& of, const ContactPoints::Shares& share, const Vector3<double>& from, double load,
             const std::optional<BoxPlanes>& box);
-  Depth<double> depth_in(const ShapeIn<double>& shape, const Pressed& point) const;
   void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                     TouchedParticles& touched);
   double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
-  double press_below(const BoxPlanes& box, double compliance, const Pressed& point, double dt);
+  double press_below(const BoxPlanes& box, const ShapeIn<double>& shape, const ContactLaw<double>& law,
+                     const Pressed& point, double dt);
   double press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                    const ToolFrame& end, TouchedParticles& touched, ToolForce& force);
   void hand_over(const ToolFrame& end, TouchedParticles& touched);

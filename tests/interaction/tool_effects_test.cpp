@@ -131,7 +131,10 @@ TEST(ToolRemainder, IsNoBlow) {
         plate.move_to(pose);
         for (int k = 0; k < 2; ++k) ASSERT_TRUE(solver->step(200, dt).ok());
         ASSERT_GT(solver->tool_force("plate").force.z(), 0.1);
-        EXPECT_LT(solver->step(1, 2e-6 * dt).max_speed, 1e-4) << backend << holds << (contact == ToolContact::surface);
+        for (const double remainder : {2.3e-14, 2e-6 * dt}) {
+          EXPECT_LT(solver->step(1, remainder).max_speed, 1e-4)
+              << backend << holds << (contact == ToolContact::surface);
+        }
         EXPECT_TRUE(solver->step(100, dt).ok());
       }
     }
@@ -140,7 +143,9 @@ TEST(ToolRemainder, IsNoBlow) {
     const auto solver = make_solver(backend, model, scene, {}, damped(150.0));
     const double dt = 0.4 * solver->stable_step();
     ASSERT_TRUE(solver->step(400, dt).ok());
-    EXPECT_LT(solver->step(1, 2e-6 * dt).max_speed, 1e-2) << backend;
+    for (const double remainder : {2.3e-14, 2e-6 * dt}) {
+      EXPECT_LT(solver->step(1, remainder).max_speed, 1e-2) << backend;
+    }
     EXPECT_TRUE(solver->step(100, dt).ok());
   }
 }
