@@ -100,12 +100,13 @@ void BodyContacts::fetch(const TouchedParticles& touched) {
 
 /// Two places approach by at most twice `going`, and the margin of find(), 2 dt |v - mean|, is at most four times it.
 bool BodyContacts::none_near(double going, double gone) const {
-  return candidates_.none_within(4.0 * going, 2.0 * (gone - gone_));
+  return candidates_.none_within(4.0 * going, gone, gone_);
 }
 
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
 void BodyContacts::find(TouchedParticles& touched) {
   const double dt = touched.dt();
+  if (std::isnan(gone_)) candidates_.forget();
   gone_ = touched.step().gone();
   fetch(touched);
   Vec3 mean = Vec3::Zero();
@@ -115,13 +116,11 @@ void BodyContacts::find(TouchedParticles& touched) {
   for (const Vec3& velocity : velocity_) fastest = std::max(fastest, (velocity - mean).squaredNorm());
   // Beyond a few edges a step is a failure, which the solver reports: the search must not outgrow the body.
   const double margin = std::min(2.0 * dt * std::sqrt(fastest), 4.0 * surface_->longest_edge);
-  // What got into a body is found as far as an edge below its surface.
-  const double skins =
-      options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * surface_->longest_edge;
-  const double search_distance = std::max(margin + skins, ContactSurface::depth_factor * surface_->longest_edge);
   contacts_.clear();
-  candidates_.each(place_, margin, [&](const ContactCandidates::List& list) {
-    if (const auto found = nearest(list, search_distance)) keep(*found, margin);
+  candidates_.each(place_, margin, gone_, [&](const ContactCandidates::List& list) {
+    const auto found = nearest(list);
+    if (found) keep(*found, margin);
+    return apart(list, found);
   });
   // Not in the lists' order, which depends on when they were made.
   std::ranges::sort(contacts_, {}, [&](const Contact& contact) {
@@ -161,13 +160,12 @@ void BodyContacts::share_out(Contact& contact, TouchedParticles& touched) {
 /// The triangle of a body that ranks first: by distance, and on an edge that two share, by how much it faces the
 /// particle, as that says on which side the particle is. A number of each triangle's own, so that the order they come
 /// in does not matter.
-std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list,
-                                                           double search_distance) const {
+std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidates::List& list) const {
   const double facing = 1.01 * ContactSurface::facing_share * surface_->longest_edge;  // and what rounds
   std::optional<Nearest> best;
   for (const auto& [t, least] : list.triangles) {
-    if (least - list.nearer > (best ? best->rank + facing : search_distance)) break;
-    const auto found = look(list.particle, static_cast<std::size_t>(t), search_distance);
+    if (best && least - list.nearer > best->rank + facing) break;
+    const auto found = look(list.particle, static_cast<std::size_t>(t));
     if (!found) continue;
     if (!best || found->rank < best->rank || (found->rank == best->rank && found->triangle < best->triangle)) {
       best = found;
@@ -180,6 +178,18 @@ std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidat
     best->way = -best->way;
   }
   return best;
+}
+
+/// m: by no less the particle and the body must come nearer to each other before they touch. What is outside a body
+/// gets in through its surface alone. Of its own body a particle may be deep inside, which touches nothing.
+double BodyContacts::apart(const ContactCandidates::List& list, const std::optional<Nearest>& found) const {
+  if (found && found->inside) return 0.0;
+  const ContactSurface::Particle& own = surface_->particles[list.particle];
+  double edge = own.edge;
+  for (const auto& near : list.triangles) edge = std::max(edge, surface_->triangles[near.triangle].edge);
+  const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * edge;
+  if (found && own.body != surface_->triangles[found->triangle].body) return (1.0 - 1e-9) * found->rank - skins;
+  return list.triangles.front().least - list.nearer - std::max(skins, ContactSurface::depth_factor * edge);
 }
 
 /// Whether a particle that is behind a triangle, and nearest to a corner or an edge of it, is outside all the same, as
@@ -205,9 +215,8 @@ bool BodyContacts::is_before_corner(const ContactCandidates::List& list, const N
   return normal.dot(found.way) < 0.0;
 }
 
-/// Nothing where the triangle is further than `search_distance`, m, away, or leads nowhere.
-std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, std::size_t t,
-                                                        double search_distance) const {
+/// Nothing where the triangle leads nowhere.
+std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, std::size_t t) const {
   const ContactSurface::Particle& own = surface_->particles[particle];
   const ContactSurface::Triangle& triangle = surface_->triangles[t];
   const Vec3 &a = place_[triangle.corner[0]], &b = place_[triangle.corner[1]], &c = place_[triangle.corner[2]];
@@ -217,7 +226,7 @@ std::optional<BodyContacts::Nearest> BodyContacts::look(std::size_t particle, st
   found.share = closest_point(place_[particle], a, b, c);
   found.way = place_[particle] - (found.share[0] * a + found.share[1] * b + found.share[2] * c);
   found.distance = found.way.norm();
-  if (!(found.distance <= search_distance)) return {};
+  if (!std::isfinite(found.distance)) return {};
   const Vec3 area = (b - a).cross(c - a);
   const double across =
       area.norm() > 0.0 && found.distance > 0.0 ? area.dot(found.way) / (area.norm() * found.distance) : 0.0;

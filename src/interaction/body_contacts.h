@@ -68,8 +68,9 @@ class BodyContacts {
   std::span<const Share> shares(const Contact& contact) const {
     return std::span(shares_).subspan(contact.first, contact.end - contact.first);
   }
-  std::optional<Nearest> nearest(const ContactCandidates::List& list, double search_distance) const;
-  std::optional<Nearest> look(std::size_t particle, std::size_t triangle, double search_distance) const;
+  std::optional<Nearest> nearest(const ContactCandidates::List& list) const;
+  std::optional<Nearest> look(std::size_t particle, std::size_t triangle) const;
+  double apart(const ContactCandidates::List& list, const std::optional<Nearest>& found) const;
   bool is_before_corner(const ContactCandidates::List& list, const Nearest& found) const;
   void keep(const Nearest& found, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;

@@ -362,7 +362,7 @@ std::span<const ContactCandidates::Near> ContactCandidates::keep(std::size_t par
     if (slack_ > 0.0) tight_searches_ = tight_searches;
     return near_;
   }
-  kept_.push_back({particle, listed_.size(), near_.size()});
+  kept_.push_back({.particle = particle, .first = listed_.size(), .count = near_.size()});
   listed_.insert(listed_.end(), near_.begin(), near_.end());
   return near_;
 }

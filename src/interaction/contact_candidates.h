@@ -16,6 +16,8 @@
 
 #include <phymul/scene.h>
 
+#include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -45,11 +47,18 @@ class ContactCandidates {
   /// Calls visit(List), in no order, for each particle and body whose gap may be within `margin`, m, with the triangles
   /// of that body that may be nearest to it. What the skin of a particle's own body leaves out is in no list; what is
   /// not finite touches nothing. `margin` is twice what the fastest particle goes in a step: two come nearer to each
-  /// other by no more. Allocates only while lists grow.
+  /// other by no more. visit() returns a gap, m, and is not called again before motion may have brought that within a
+  /// margin. `gone`: PredictedStep::gone(), m. Allocates only while lists grow.
   template <class Visit>
-  void each(std::span<const Vec3> place, double margin, Visit visit) {
+  void each(std::span<const Vec3> place, double margin, double gone, Visit visit) {
+    least_until_ = HUGE_VAL;
     if (hold(place, margin)) {
-      for (const Kept& kept : kept_) visit(List{kept.particle, nearer_, {listed_.data() + kept.first, kept.count}});
+      for (Kept& kept : kept_) {
+        if (!(kept.until - gone > 0.5 * margin)) {
+          kept.until = gone + 0.5 * visit(List{kept.particle, nearer_, {listed_.data() + kept.first, kept.count}});
+        }
+        least_until_ = std::min(least_until_, kept.until);
+      }
       return;
     }
     begin(place, margin);
@@ -58,17 +67,24 @@ class ContactCandidates {
         if (!meet(cluster, body)) continue;
         for (std::size_t k = cluster.first; k < cluster.end; ++k) {
           const auto particle = static_cast<std::size_t>(particles_.items[k]);
-          if (gather(particle, place[particle], body)) visit(List{particle, 0.0, keep(particle)});
+          if (!gather(particle, place[particle], body)) continue;
+          const double until = gone + 0.5 * visit(List{particle, 0.0, keep(particle)});
+          if (keeps_) kept_.back().until = until;
+          least_until_ = std::min(least_until_, until);
         }
       }
     }
     complete_ = keeps_;  // and not before, as visit and memory may throw
   }
 
-  /// Whether each() would visit nothing, after no two places came nearer by more than this, m, since the last call.
-  bool none_within(double margin, double nearer) const {
-    const double room = slack_ - nearer_ - nearer;
-    return complete_ && kept_.empty() && room >= 0.0 && margin <= margin_ + room;
+  /// Whether each() would visit nothing, at a later gone() than `before`, m, that of the last call.
+  bool none_within(double margin, double gone, double before) const {
+    const double room = slack_ - nearer_ - 2.0 * (gone - before);
+    return complete_ && least_until_ - gone > 0.5 * margin && room >= 0.0 && margin <= margin_ + room;
+  }
+  /// Places were set: what visit() returned holds no longer.
+  void forget() {
+    for (Kept& kept : kept_) kept.until = -HUGE_VAL;
   }
 
   std::size_t searches() const { return searches_; }  ///< since follow()
@@ -98,6 +114,7 @@ class ContactCandidates {
   };
   struct Kept {
     std::size_t particle = 0, first = 0, count = 0;
+    double until = -HUGE_VAL;  // m, of gone(): half a margin before it nothing touches
   };
 
   bool hold(std::span<const Vec3> place, double margin);
@@ -134,6 +151,7 @@ class ContactCandidates {
   double nearer_ = 0.0;                // m: what may have come nearer until the last each()
   VecList then_;                       // [particles] where they were
   std::vector<Kept> kept_;
+  double least_until_ = 0.0;  // of what the last each() visited or passed over
   std::vector<Near> listed_;
   std::vector<Box> node_box_, item_box_;           // of triangles_; a little more than rounding makes of a distance
   std::vector<Motion> node_motion_, item_motion_;  // of triangles_

@@ -67,8 +67,9 @@ Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, cons
 
 Pairs pairs_listed(ContactCandidates& candidates, const VecList& place, double margin) {
   Pairs pairs;
-  candidates.each(place, margin, [&](const ContactCandidates::List& list) {
+  candidates.each(place, margin, HUGE_VAL, [&](const ContactCandidates::List& list) {
     for (const auto& near : list.triangles) EXPECT_TRUE(pairs.insert({list.particle, near.triangle}).second);
+    return 0.0;
   });
   return pairs;
 }
@@ -154,7 +155,7 @@ TEST(ContactCandidates, SearchesAllocateNothing) {
     const Mat3 turn = Eigen::AngleAxisd(0.3 * step, Vec3::UnitX()).toRotationMatrix();
     for (std::size_t k = 0; k < place.size(); ++k) place[k] = turn * surface.rest[k];
     if (step == 1) before = allocation_count();
-    candidates.each(place, 1e-5, [](const ContactCandidates::List&) {});
+    candidates.each(place, 1e-5, HUGE_VAL, [](const ContactCandidates::List&) { return 0.0; });
   }
   EXPECT_EQ(allocation_count(), before);
   EXPECT_EQ(candidates.searches(), static_cast<std::size_t>(steps));
@@ -187,9 +188,10 @@ TEST(ContactCandidates, ListsThatWereNotFinishedAreForgotten) {
   ContactCandidates candidates;
   candidates.follow(surface, {});
   int seen = 0;
-  EXPECT_THROW(candidates.each(surface.rest, 0.0,
+  EXPECT_THROW(candidates.each(surface.rest, 0.0, HUGE_VAL,
                                [&](const ContactCandidates::List&) {
                                  if (++seen == 10) throw std::bad_alloc();
+                                 return 0.0;
                                }),
                std::bad_alloc);
   EXPECT_EQ(candidates.searches(), 1u);
