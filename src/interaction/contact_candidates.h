@@ -85,6 +85,7 @@ class ContactCandidates {
   /// Places were set: what visit() returned holds no longer.
   void forget() {
     for (Kept& kept : kept_) kept.until = -HUGE_VAL;
+    least_until_ = -HUGE_VAL;
   }
 
   std::size_t searches() const { return searches_; }  ///< since follow()

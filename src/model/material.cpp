@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/error.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -61,39 +62,52 @@ void sum_masses(Model& model) {
   if (kept > 0) model.notes.push_back("set_material: " + std::to_string(kept) + std::string(without));
 }
 
-/// Gives the material to the solid cells whose rows `chosen` accepts; an Error leaves the model as it was.
-template <class Predicate>
-void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
-  validate(model);
-  if (material.thickness > 0.0 && model.dimension == 2) {
-    throw Error(
-        "set_material: expected a model in 3 dimensions for a material with a thickness (Law::walls), got one in "
-        "2; set Model::dimension to 3 (a mesh in the plane z = 0 is read as a body in 2), or the thickness to 0");
+/// Makes two triangles of each quad whose row is chosen: along its shorter diagonal, unless the two would lie on each
+/// other there. The second one comes after all cells, and is in the components that the quad is in.
+void divide_quads(Model& model, std::vector<char>& is_chosen) {
+  std::vector<Index> second(model.cells.size(), -1);  // rows of the new cells
+  Index divided = 0;
+  for (std::size_t row = 0; row < second.size(); ++row) {
+    if (is_chosen[row] == 0 || model.cells[row].type != CellType::quad) continue;
+    const std::vector<Index> corner = model.cells[row].particles;
+    const auto at = [&](std::size_t k) -> const Vec3& { return model.rest[corner[k % 4]]; };
+    const auto are_unfolded = [&](std::size_t k) {
+      const Vec3 diagonal = at(k + 2) - at(k);
+      return (at(k + 1) - at(k)).cross(diagonal).dot(diagonal.cross(at(k + 3) - at(k))) > 0.0;
+    };
+    std::size_t k = (at(2) - at(0)).norm() <= (at(3) - at(1)).norm() ? 0 : 1;
+    if (!are_unfolded(k) && are_unfolded(1 - k)) k = 1 - k;
+    Cell other = model.cells[row];
+    other.name.clear();
+    other.type = model.cells[row].type = CellType::triangle;
+    model.cells[row].particles = {corner[k], corner[k + 1], corner[(k + 2) % 4]};
+    other.particles = {corner[k], corner[(k + 2) % 4], corner[(k + 3) % 4]};
+    second[row] = static_cast<Index>(model.cells.size());
+    model.cells.push_back(std::move(other));
+    is_chosen.push_back(1);
+    ++divided;
   }
-  if (!(model.most_mass_moved >= 0.0 && model.most_mass_moved < 1.0)) {
-    throw Error("set_material: expected Model::most_mass_moved of at least 0 and below 1, got " +
-                to_decimal(model.most_mass_moved));
+  for (Component& component : model.components) {
+    for (std::vector<Index>* cells : {&component.cells, &component.cell_refs}) {
+      for (std::size_t k = 0, count = cells->size(); k < count; ++k) {
+        if (const Index row = second[(*cells)[k]]; row >= 0) cells->push_back(row);
+      }
+    }
   }
+  model.notes.push_back("set_material: " + std::to_string(divided) +
+                        " quads of a wall are two triangles each by now, along the shorter diagonal");
+}
+
+void assign_to_rows(Model& model, const Material& material, const std::vector<char>& is_chosen) {
   std::vector<Index> rows;  // of each cell, before and after: a copy of a large model would take long
   rows.reserve(model.cells.size());
   std::vector<Material> materials = model.materials;
   const auto known = std::find(materials.begin(), materials.end(), material);
   const Index row = static_cast<Index>(known - materials.begin());
   if (known == materials.end()) materials.push_back(material);
-  bool any = false;
-  for (std::size_t c = 0; c < model.cells.size(); ++c) {
-    const CellType type = model.cells[c].type;
-    if (material.thickness > 0.0 && type == CellType::quad && chosen(c)) {
-      throw Error(ErrorCode::not_supported, cell_label(model, c) +
-                                                ": expected triangles for a material with a thickness, got a quad; "
-                                                "divide it into two triangles");
-    }
-    const bool fits = material.thickness > 0.0 ? type == CellType::triangle : is_solid(model.dimension, type);
-    const bool is_chosen = fits && chosen(c);
-    rows.push_back(is_chosen ? row : model.cells[c].material);
-    any = any || is_chosen;
+  for (std::size_t c = 0; c < is_chosen.size(); ++c) {
+    rows.push_back(is_chosen[c] != 0 ? row : model.cells[c].material);
   }
-  if (!any) throw Error(nothing_chosen);
   const auto exchange = [&] {
     for (std::size_t c = 0; c < rows.size(); ++c) std::swap(model.cells[c].material, rows[c]);
     std::swap(model.materials, materials);
@@ -106,6 +120,44 @@ void assign(Model& model, const Material& material, const std::string& nothing_c
     throw;
   }
   drop_unused_materials(model);
+}
+
+/// Whether cells of a type can have a material: walls' those with an area, others those that fill space.
+bool takes(const Material& material, int dimension, CellType type) {
+  return is_solid(material.thickness > 0.0 ? 2 : dimension, type);
+}
+
+/// Gives the material to the cells whose rows `chosen` accepts; an Error leaves the model as it was.
+template <class Predicate>
+void assign(Model& model, const Material& material, const std::string& nothing_chosen, Predicate chosen) {
+  validate(model);
+  if (material.thickness > 0.0 && model.dimension == 2) {
+    throw Error(
+        "set_material: expected a model in 3 dimensions for a material with a thickness (Law::walls), got one in "
+        "2; set Model::dimension to 3 (a mesh in the plane z = 0 is read as a body in 2), or the thickness to 0");
+  }
+  if (!(model.most_mass_moved >= 0.0 && model.most_mass_moved < 1.0)) {
+    throw Error("set_material: expected Model::most_mass_moved of at least 0 and below 1, got " +
+                to_decimal(model.most_mass_moved));
+  }
+  std::vector<char> is_chosen(model.cells.size(), 0);
+  bool any = false, any_quad = false;
+  for (std::size_t c = 0; c < model.cells.size(); ++c) {
+    const CellType type = model.cells[c].type;
+    if (!takes(material, model.dimension, type) || !chosen(c)) continue;
+    is_chosen[c] = 1;
+    any = true;
+    any_quad = any_quad || type == CellType::quad;
+  }
+  if (!any) throw Error(nothing_chosen);
+  if (material.thickness > 0.0 && any_quad) {
+    Model divided = model;
+    divide_quads(divided, is_chosen);
+    assign_to_rows(divided, material, is_chosen);
+    model = std::move(divided);
+  } else {
+    assign_to_rows(model, material, is_chosen);
+  }
 }
 
 /// Particles without cells: the same for all of them. Masses from their share of space, which takes neighbours.
@@ -141,7 +193,7 @@ void set_material_of_points(Model& model, const Material& material) {
 }
 
 std::string cells_for(const Model& model, const Material& material) {
-  if (material.thickness > 0.0) return "triangles";
+  if (material.thickness > 0.0) return "triangles or quads";
   return model.dimension == 3 ? "volume cells (tetrahedra, wedges, pyramids or hexahedra)" : "triangles or quads";
 }
 
@@ -217,10 +269,8 @@ void set_material(Model& model, const Material& material) {
 void set_material(Model& model, const Material& material, std::string_view group_name) {
   require_in_range(material);
   validate(model);
-  const bool wall = material.thickness > 0.0;
-  const std::vector<char> chosen = cells_of_group(model, group_name, [&](CellType type) {
-    return wall ? type == CellType::triangle : is_solid(model.dimension, type);
-  });
+  const std::vector<char> chosen =
+      cells_of_group(model, group_name, [&](CellType type) { return takes(material, model.dimension, type); });
   assign(model, material,
          "set_material: expected group \"" + std::string(group_name) + "\" to hold all particles of some " +
              cells_for(model, material) + ", but it holds none whole",

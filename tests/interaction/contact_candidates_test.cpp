@@ -227,6 +227,29 @@ TEST(ContactCandidates, ListsTooLongToKeepAreWhole) {
   EXPECT_EQ(candidates.searches(), 21u);
 }
 
+/// A millimetre is used up when each of two has gone half of it; a margin comes on top.
+TEST(ContactCandidates, WhatIsApartIsPassedOverUntilItMayTouch) {
+  const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
+  ContactCandidates candidates;
+  candidates.follow(surface, {});
+  const auto visits_at = [&](double gone, double margin) {
+    int visits = 0;
+    candidates.each(surface.rest, margin, gone, [&](const ContactCandidates::List&) { return ++visits, 1e-3; });
+    return visits;
+  };
+  const int all = visits_at(7.0, 1e-4);
+  ASSERT_GT(all, 100);
+  EXPECT_TRUE(candidates.none_within(1e-4, 7.0004, 7.0));
+  EXPECT_FALSE(candidates.none_within(1e-4, 7.0005, 7.0));
+  EXPECT_EQ(visits_at(7.0004, 1e-4), 0);
+  EXPECT_EQ(visits_at(7.0005, 1e-4), all);
+  EXPECT_EQ(visits_at(7.0009, 1e-4), 0);  // from the last visit on
+  candidates.forget();
+  EXPECT_FALSE(candidates.none_within(1e-4, 7.0009, 7.0009));
+  EXPECT_EQ(visits_at(7.0009, 1e-4), all);
+  EXPECT_EQ(candidates.searches(), 1u);
+}
+
 /// Lists kept without slack to spare: the body has come nearer by almost all of it, and the step may go as far again.
 /// Either alone the lists would bear.
 TEST(ContactCandidates, AreLookedForAnewWhereMotionAndMarginTogetherPassTheSlack) {

@@ -121,6 +121,10 @@ class Anchor:
     point: Vector = (0.0, 0.0, 0.0)
     tool: Optional[Tool] = None
 
+    def __post_init__(self) -> None:
+        if self.particles is not None and self.tool is not None:
+            raise Error("an anchor: expected particles or a tool, got both")
+
 
 def fill(struct: Any, what: str, **vectors: Any) -> Any:
     for name, values in vectors.items():

@@ -391,6 +391,7 @@ class ToolsJointsSkins(Refusals):
         self.assertGreater(held.report.force[2], 0.01)
         self.assertGreater(tied.report.largest, 0.0)
         self.refused(ErrorCode.INVALID_ARGUMENT, "of another", block().attach, "z1", tool, stiffness=1.0)
+        self.refused(ErrorCode.INVALID_ARGUMENT, "particles or a tool", Anchor, particles=[0], tool=tool)
 
     def test_skins_follow(self):
         sim = block()
