@@ -3,6 +3,7 @@
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 
@@ -268,6 +269,18 @@ TEST(StateHistory, GoesBackToTheNewestStateAtOrBeforeATime) {
     history.follow(*solver, solver->step(1, dt));
     EXPECT_EQ(history.size(), 1u);
   }
+}
+
+/// The sum of ten milliseconds is not a hundredth of a second to the last bit.
+TEST(StateHistory, GoesBackToWholeTicks) {
+  Simulation sim(block_at(Vec3::Zero()), {.backend = "reference"});
+  sim.keep_history(1);
+  for (int tick = 0; tick < 50; ++tick) ASSERT_TRUE(sim.advance(1e-3).ok());
+  for (int tick = 49; tick >= 0; --tick) {
+    ASSERT_TRUE(sim.rewind(1e-3 * tick));
+    ASSERT_NEAR(sim.time(), 1e-3 * tick, 1e-9);
+  }
+  EXPECT_FALSE(sim.rewind(std::nan("")));
 }
 
 TEST(StateHistory, HoldsNoMoreThanItsBytes) {
