@@ -184,7 +184,9 @@ TEST(BladeState, CutsNothingBesideAPartWithSmallCells) {
   for (int tick = 0; tick < 10; ++tick) {
     pose.position.x() -= 1e-3;
     blade.move_to(pose);
-    uncut += sim.advance(1e-5).uncut;
+    const StepReport report = sim.advance(1e-5);
+    uncut += report.uncut;
+    EXPECT_EQ(report.message().find(" could not part: ") != std::string::npos, report.uncut > 0);
   }
   EXPECT_GT(uncut, 100);
   EXPECT_TRUE(sim.cuts().empty());
