@@ -171,8 +171,8 @@ class Simulation {
   /// Keeps a snapshot every `every` steps from now on, at most `most_bytes` in all; the oldest are dropped. Applies
   /// changes of the scene. Throws Error unless both are at least 1.
   void keep_history(int every, std::size_t most_bytes = 64 << 20);
-  /// Goes back to the newest kept snapshot at or before `time`, s, as restore() does. Returns false, and changes
-  /// nothing, if there is none.
+  /// Goes back to the newest kept snapshot at or before `time`, s, as restore() does (StateHistory::newest_at). Returns
+  /// false, and changes nothing, if there is none.
   bool rewind(double time);
 
   /// Records steps, changes of the state and changes of the scene from now on. Memory grows with their number. Discards
