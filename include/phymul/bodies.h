@@ -19,11 +19,12 @@ struct NamedBody {
   const Model* model = nullptr;
 };
 
-/// All bodies as one model, particles and cells in their order, body after body. Nothing joins them: no neighbour list,
-/// cell or base crosses from one to another, so each moves as it would alone (to the last bit in "reference", unless
-/// forces are clamped: SolverOptions::max_displacement_per_step is of the mean spacing). File indices and what only a
-/// file knows stay behind: loads go by name or row. Throws Error for a name that is empty or taken, is "Bodies" or has
-/// a '/', for bodies of different dimensions, for some with and some without a material, and for a model that is not
+/// All bodies as one model, particles and cells in their order, body after body. Spare particles (with_spare_particles)
+/// come after those of all bodies, and a cut of any body uses them. Nothing joins the bodies: no neighbour list, cell
+/// or base crosses from one to another, so each moves as it would alone (to the last bit in "reference", unless forces
+/// are clamped: SolverOptions::max_displacement_per_step is of the mean spacing). File indices and what only a file
+/// knows stay behind: loads go by name or row. Throws Error for a name that is empty or taken, is "Bodies" or has a
+/// '/', for bodies of different dimensions, for some with and some without a material, and for a model that is not
 /// valid.
 Model merge_models(std::span<const NamedBody> bodies);
 

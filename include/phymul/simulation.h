@@ -128,9 +128,10 @@ class Simulation {
 
   /// Probable mistakes, one sentence each: a body without a material, sizes and constants that suggest other units than
   /// SI, a part that nothing holds (without tools and contacts, which may), cells too long for their thickness, a tool
-  /// that is too thin, a tool that begins inside a body, bodies with contacts that begin inside each other (deeper than
-  /// a quarter of an edge: this and every step throw Error). They refer to the model, and to the scene when the solver
-  /// was made; tools that touch the particles of a body with cuts are named after a cut as well. Makes the solver.
+  /// that is too thin, a tool that begins inside a body, a blade or a law of tearing without spare particles, bodies
+  /// with contacts that begin inside each other (deeper than a quarter of an edge: this and every step throw Error).
+  /// They refer to the model, and to the scene when the solver was made; tools that touch the particles of a body with
+  /// cuts are named after a cut as well. Makes the solver.
   const std::vector<std::string>& warnings() const;
 
   /// Largest step that advance(seconds) would take now, s: SimulationOptions::step * Solver::stable_step(), or
@@ -170,8 +171,8 @@ class Simulation {
   /// Keeps a snapshot every `every` steps from now on, at most `most_bytes` in all; the oldest are dropped. Applies
   /// changes of the scene. Throws Error unless both are at least 1.
   void keep_history(int every, std::size_t most_bytes = 64 << 20);
-  /// Goes back to the newest kept snapshot at or before `time`, s, as restore() does. Returns false, and changes
-  /// nothing, if there is none.
+  /// Goes back to the newest kept snapshot at or before `time`, s, as restore() does (StateHistory::newest_at). Returns
+  /// false, and changes nothing, if there is none.
   bool rewind(double time);
 
   /// Records steps, changes of the state and changes of the scene from now on. Memory grows with their number. Discards

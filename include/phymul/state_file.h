@@ -41,7 +41,8 @@ class StateHistory {
   /// `start`: of a Simulation, Snapshot::start.
   void follow(const Solver& solver, const StepReport& report, const Snapshot::Start& start = {});
 
-  /// The newest state at or before a time, s; null if there is none.
+  /// The newest state at or before a time, s, or less than a thousandth of a step after it, as rounding leaves; null if
+  /// there is none.
   const Snapshot* newest_at(double time) const;
 
   /// Restores that state in the solver (Solver::restore(), which may throw) and removes later ones. Returns false, and

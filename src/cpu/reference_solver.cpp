@@ -121,7 +121,6 @@ class ReferenceSolver final : public SolverBackend {
   }
 
   // Stages of StepOrder.
-
   bool has_joints() { return !joints().empty(); }
   bool has_substeps() const { return local_.has_value(); }
   bool has_implicit_joints() { return stiff_joints() != nullptr && !stiff_joints()->empty(); }
@@ -253,6 +252,7 @@ class ReferenceSolver final : public SolverBackend {
     explicit Step(ReferenceSolver& solver) : solver_(solver) {}
     Vec3 position(Index i) const override { return solver_.state_.position[i]; }
     Vec3 predicted_velocity(Index i) const override { return solver_.next_velocity_[i]; }
+    double going() const override { return longest_of_ways(solver_.state_.position, solver_.next_position_); }
     Vec3 withheld(Index i) const override {
       const auto own = std::ranges::lower_bound(solver_.withheld_, i, {}, &Withheld::particle);
       return own == solver_.withheld_.end() || own->particle != i ? Vec3(Vec3::Zero()) : own->force;

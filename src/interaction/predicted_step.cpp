@@ -10,6 +10,12 @@ void PredictedStep::fetch(std::span<const Index> rows, VecList& at, VecList& vel
   }
 }
 
+double longest_of_ways(const VecList& from, const VecList& to) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) longest = std::max(longest, (to[i] - from[i]).norm());
+  return longest;
+}
+
 void TouchedParticles::prepare(std::span<const double> mass, std::span<const std::uint8_t> fixed, bool plane) {
   mass_ = mass;
   fixed_ = fixed;

@@ -55,6 +55,8 @@ class PredictedStep {
   PredictedStep& operator=(const PredictedStep&) = default;
 };
 
+double longest_of_ways(const VecList& from, const VecList& to);  ///< m, of particles
+
 /// Bit a of `fixed`: coordinate a takes nothing.
 inline Vec3 free_part(Vec3 vector, std::uint8_t fixed) {
   for (int a = 0; a < 3; ++a) {

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/bodies.h>
+#include <phymul/body.h>
 #include <phymul/error.h>
 
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "base/files.h"
 #include "base/union_find.h"
 #include "body_rows.h"
 #include "model/body_type.h"
+#include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
 #include "model/file_extras.h"
 
@@ -63,6 +66,21 @@ void append_rows(Rows& all, const Rows& added, Index first, std::size_t count) {
   all.resize(count);
 }
 
+/// The spare particles of all bodies come after all others.
+Model without_spare_particles(Model body) {
+  Index kept = body.particle_count();
+  const std::vector<Index> spare = spare_particles_of(body);
+  for (auto own = spare.rbegin(); own != spare.rend() && *own == kept - 1; ++own) --kept;
+  if (kept == body.particle_count()) return body;
+  body.rest.resize(kept);
+  body.mass.resize(kept);
+  body.stiffness.resize(kept);
+  body.neighbours.offset.resize(kept + 1);
+  for (Component& component : body.components) std::erase_if(component.particles, [&](Index i) { return i >= kept; });
+  body.extras = nullptr;
+  return body;
+}
+
 void append_particles(Model& all, const Model& body, Index first) {
   all.rest.insert(all.rest.end(), body.rest.begin(), body.rest.end());
   all.mass.insert(all.mass.end(), body.mass.begin(), body.mass.end());
@@ -94,18 +112,18 @@ void append_cells(Model& all, const Model& body, Index first) {
   }
 }
 
-void append_components(Model& all, const NamedBody& body, Index first, Index first_cell) {
+void append_components(Model& all, const Model& body, const std::string& name, Index first, Index first_cell) {
   const Index offset = static_cast<Index>(all.components.size());
-  for (Component component : body.model->components) {
-    if (!component.name.empty()) component.name = body.name + '/' + component.name;
+  for (Component component : body.components) {
+    if (!component.name.empty()) component.name = name + '/' + component.name;
     component.parent = shifted(component.parent, offset);
     shift(component.cells, first_cell);
     shift(component.cell_refs, first_cell);
     shift(component.particles, first);
     all.components.push_back(std::move(component));
   }
-  Component own{.name = body.name, .parent = 0, .exclusive = false};
-  own.particles.resize(body.model->rest.size());
+  Component own{.name = name, .parent = 0, .exclusive = false};
+  own.particles.resize(body.rest.size());
   std::iota(own.particles.begin(), own.particles.end(), first);
   all.components.push_back(std::move(own));
 }
@@ -139,15 +157,19 @@ Model merge_models(std::span<const NamedBody> bodies) {
   names.name = all_bodies;
   names.exclusive = names.structural = false;
   all.components.push_back(std::move(names));
-  for (const NamedBody& body : bodies) {
+  Index spare = 0;
+  for (const auto& [name, model] : bodies) {
+    const Model body = without_spare_particles(*model);
+    spare += model->particle_count() - body.particle_count();
     const Index first = all.particle_count(), first_cell = static_cast<Index>(all.cells.size());
-    all.name += (all.name.empty() ? "" : "+") + body.name;
-    append_particles(all, *body.model, first);
-    append_cells(all, *body.model, first);
-    append_components(all, body, first, first_cell);
-    all.most_mass_moved = std::min(all.most_mass_moved, body.model->most_mass_moved);
-    for (const std::string& note : body.model->notes) all.notes.push_back(body.name + ": " + note);
+    all.name += (all.name.empty() ? "" : "+") + name;
+    append_particles(all, body, first);
+    append_cells(all, body, first);
+    append_components(all, body, name, first, first_cell);
+    all.most_mass_moved = std::min(all.most_mass_moved, body.most_mass_moved);
+    for (const std::string& note : body.notes) all.notes.push_back(name + ": " + note);
   }
+  if (spare > 0) return with_spare_particles(std::move(all), spare);
   validate(all);
   return all;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <variant>
 
 #include "base/decimal.h"
 #include "input_kinds.h"
@@ -107,6 +108,11 @@ StepReport Simulation::Parts::step(int n, double dt) {
 
 bool Simulation::Parts::divide(StepReport& report) {
   const std::size_t before = topology->cuts.size();
+  const auto is_blade = [](const SceneTool& tool) { return std::holds_alternative<Blade>(tool.tool.shape); };
+  // Now, so that no step of a loop has to.
+  if (report.ok() && report.steps == 0 && (!scene.tearing().empty() || std::ranges::any_of(scene.tools(), is_blade))) {
+    body_edit();
+  }
   if (report.ok()) cut_with_blades(report);
   if (report.ok()) tear(report);
   const bool changed = topology->cuts.size() != before;

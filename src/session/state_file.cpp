@@ -129,8 +129,10 @@ void StateHistory::follow(const Solver& solver, const StepReport& report, const 
 }
 
 const Snapshot* StateHistory::newest_at(double time) const {
-  const auto after = std::upper_bound(states_.begin(), states_.end(), time,
-                                      [](double when, const Snapshot& state) { return when < state.state.time; });
+  // A sum of steps is seldom the time that it stands for.
+  const auto after = std::upper_bound(states_.begin(), states_.end(), time, [](double when, const Snapshot& state) {
+    return !(state.state.time - 1e-3 * state.last_dt <= when);
+  });
   return after == states_.begin() ? nullptr : &*(after - 1);
 }
 

@@ -16,6 +16,7 @@
 #include "interaction/closest_point.h"
 #include "interaction/moved_tool.h"
 #include "interaction/tool_shape.h"
+#include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
 #include "model/tissue_surface.h"
 #include "scene/loose_parts.h"
@@ -123,8 +124,16 @@ double depth_inside(const Model& model, std::span<const std::array<Index, 3>> tr
   return deepest;
 }
 
+/// m: what of a shape tells its unit; 0: nothing does.
+double thickness_of(const ToolShape& shape) {
+  if (const auto* needle = std::get_if<Needle>(&shape)) return 2.0 * needle->radius;
+  if (const auto* blade = std::get_if<Blade>(&shape)) return blade->width;
+  return 2.0 * least_radius(shape).value_or(0.0);
+}
+
 void look_at_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
   constexpr double many = 5.0;  // bodies; a floor made of a box is thinner
+  constexpr double rounding = 1e-9;
   // What walls enclose is a lumen, no tissue.
   const bool hollow = !is_made_of_cells(model) &&
                       std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_of_wall(model, cell); });
@@ -132,16 +141,36 @@ void look_at_tools(const Model& model, const Scene& scene, std::vector<std::stri
       scene.tools().empty() || hollow ? std::vector<std::array<Index, 3>>{} : surface_triangles(model);
   const double size = body_size(model);
   for (const SceneTool& tool : scene.tools()) {
-    const double thickness = 2.0 * least_radius(tool.tool.shape).value_or(0.0);
+    const double thickness = thickness_of(tool.tool.shape);
+    const bool pushes = least_radius(tool.tool.shape).value_or(0.0) > 0.0;
     if (size > 0.0 && thickness > many * size) {
       found.emplace_back("the tool \"" + tool.name + "\" is " + to_decimal(thickness) + " m thick, the body " +
                          to_decimal(size) + " m large: expected lengths in m; was it in mm?");
-    } else if (const double depth = thickness > 0.0 ? depth_inside(model, triangles, tool) : 0.0; depth > 0.0) {
+    } else if (const double depth = pushes ? depth_inside(model, triangles, tool) : 0.0; depth > rounding * size) {
       found.emplace_back(
           "the middle of the tool \"" + tool.name + "\" begins inside the body, " + length_text(depth) +
           " m deep, where a tool pushes to either side and forces mislead; begin outside and move it in");
     }
   }
+}
+
+void look_at_threads(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  const double size = body_size(model);
+  for (const SceneThread& thread : scene.threads()) {
+    if (size == 0.0 || 2.0 * thread.thread.radius <= size) continue;
+    found.emplace_back("the thread \"" + thread.name + "\" is " + to_decimal(2.0 * thread.thread.radius) +
+                       " m thick, the body " + to_decimal(size) + " m large: expected lengths in m; was it in mm?");
+  }
+}
+
+void look_for_what_cannot_cut(const Model& model, const Scene& scene, std::vector<std::string>& found) {
+  const auto is_blade = [](const SceneTool& tool) { return std::holds_alternative<Blade>(tool.tool.shape); };
+  const auto blade = std::ranges::find_if(scene.tools(), is_blade);
+  if ((blade == scene.tools().end() && scene.tearing().empty()) || !spare_particles_of(model).empty()) return;
+  found.emplace_back(
+      (blade == scene.tools().end() ? "nothing can tear" : "the tool \"" + blade->name + "\" cannot cut") +
+      ": the body has no spare particles, which become the copies of particles at a cut; "
+      "with_spare_particles() gives it some");
 }
 
 /// Even where nothing spreads the particles. How thick a DistanceGrid is, is not known.
@@ -188,6 +217,8 @@ std::vector<std::string> warnings_of(const Model& model, const Scene& scene, boo
   look_at_units(model, scene, found);
   look_at_joints(scene, found);
   look_at_tools(model, scene, found);
+  look_at_threads(model, scene, found);
+  look_for_what_cannot_cut(model, scene, found);
   look_for_tools_beyond_cuts(model, scene, found);
   look_for_overlaps(model, scene, found);
   look_for_thin_tools(model, scene, found);

@@ -49,7 +49,9 @@ void for_free_coordinates(const TopologyTextures& topology, const Scene& scene, 
 class HostStep final : public PredictedStep {
  public:
   HostStep(const VecList& position, VecList& velocity, std::span<const double> mass, double dt)
-      : position_(position), velocity_(velocity), mass_(mass), dt_(dt) {}
+      : position_(position), velocity_(velocity), mass_(mass), dt_(dt) {
+    for (const Vec3& v : velocity) going_ = std::max(going_, dt * v.norm());
+  }
   Vec3 position(Index i) const override { return position_[i]; }
   Vec3 predicted_velocity(Index i) const override { return velocity_[i]; }
   Vec3 withheld(Index) const override { return Vec3::Zero(); }
@@ -58,6 +60,8 @@ class HostStep final : public PredictedStep {
       if (region.meets(position_[i], position_[i] + dt_ * velocity_[i])) found.push_back(i);
     }
   }
+  double gone() const override { return 0.0; }  // all steps are from the same places
+  double going() const override { return going_; }
   void add_force(Index i, const Vec3& force) override { velocity_[i] += dt_ / mass_[i] * force; }
   void shift(Index, const Vec3&) override {}
 
@@ -65,7 +69,7 @@ class HostStep final : public PredictedStep {
   const VecList& position_;
   VecList& velocity_;
   std::span<const double> mass_;
-  double dt_;
+  double dt_, going_ = 0.0;  // s; m
 };
 
 }  // namespace
@@ -105,11 +109,13 @@ void to_half_step_before(const TopologyTextures& topology, const Scene& scene, c
   VecList velocity = own, given(own.size(), Vec3::Zero());  // m/s, of tools and contacts
   for (int k = 0; k < (damped || !touch.empty() ? rounds : 1); ++k) {
     VecList next = own;
+    const VecList before = velocity;
     for_free_coordinates(topology, scene, acting, state, [&](std::size_t i, int axis, double a) {
       velocity[i][axis] = (2.0 * own[i][axis] - step.dt * a - given[i][axis]) / (1.0 + step.d);
       next[i][axis] = step.d * velocity[i][axis] + step.dt * a;
     });
     state.velocity = velocity;
+    if (k > 0 && velocity == before) return;  // as the next round would leave them
     if (touch.empty()) continue;
     given = next;
     touch.act(given);

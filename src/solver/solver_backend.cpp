@@ -260,6 +260,13 @@ Snapshot SolverBackend::snapshot_without_hash() const {
 
 void SolverBackend::restore(const Snapshot& snapshot) {
   require_idle("Solver::restore");
+  if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
+    throw Error(
+        "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
+        "particles, other options of the tables, other cuts or other removed cells; the solver keeps its state. "
+        "Restore it into a solver over the same tables, or reset() to the snapshot's state where only positions are "
+        "wanted");
+  }
   require_fitting(snapshot.state);
   require_supported();
   if (!snapshot.displacement.empty() && snapshot.displacement.size() != snapshot.state.position.size()) {
@@ -269,13 +276,6 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   }
   if (!are_finite(snapshot.displacement)) {
     throw Error("Solver::restore: the snapshot has a displacement that is not finite; the solver keeps its state");
-  }
-  if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
-    throw Error(
-        "Solver::restore: expected a snapshot of this solver's body, got one of another shape, material, order of "
-        "particles, other options of the tables, other cuts or other removed cells; the solver keeps its state. "
-        "Restore it into a solver over the same tables, or reset() to the snapshot's state where only positions are "
-        "wanted");
   }
   const SceneParts own = scene_->parts();
   if (const std::string found = snapshot.scene ? difference(*snapshot.scene, own) : ""; !found.empty()) {

@@ -30,6 +30,10 @@ std::string good_message(const StepReport& r, const char* verdict) {
     all += text;
   }
   if (r.tissue_gave_way > 0) all += "; tissue gave way to a tip before the needle's puncture force";
+  if (r.uncut > 0) {
+    all += "; " + std::to_string(r.uncut) + (r.uncut == 1 ? " cell" : " cells") +
+           " could not part: too few spare particles (with_spare_particles), three cuts there already, or max_substeps";
+  }
   if (r.springs_broken == 0) return all;
   return all + "; " + std::to_string(r.springs_broken) +
          (r.springs_broken == 1 ? " spring of a joint broke" : " springs of joints broke");

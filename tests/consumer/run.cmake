@@ -73,6 +73,10 @@ elseif(STEP STREQUAL "fetch_content")
   file(REMOVE_RECURSE ${build})
   run(${CMAKE_COMMAND} -S ${consumers}/fetch_content -B ${build} ${configure_flags} -DPHYMUL_REPOSITORY=file://${SOURCE}
       -DPHYMUL_COMMIT=${commit})
+  execute_process(COMMAND ${CMAKE_COMMAND} -DCMAKE_BUILD_TYPE= ${build} OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
+  if(NOT GENERATOR MATCHES "Multi|Visual|Xcode" AND NOT output MATCHES "phymul: compiled without optimisation")
+    message(FATAL_ERROR "a guest without a build type is not told that it is slow:\n${output}")
+  endif()
 
 elseif(STEP MATCHES "^pkg_config")
   file(MAKE_DIRECTORY ${SCRATCH}/${STEP})

@@ -219,6 +219,17 @@ TEST_P(ThreadOnTissue, ComesOutOfTheSurface) {
   for (const Vec3& x : solver->thread_state("thread").position) EXPECT_GT(x.z(), 0.015 + 0.5 * thread.radius);
 }
 
+/// Where it was never outside, no side is the one that it came in by: it is left where it is, and so is the tissue.
+TEST_P(ThreadOnTissue, DeepInTissueItPushesNothing) {
+  const Model model = soft_block({0.03, 0.03, 0.015}, 6, 6, 3);
+  Simulation sim(model, {.backend = GetParam()});
+  sim.scene().add_thread("thread", {.length = 0.02, .segment = 1e-3, .touches = true}, {0.005, 0.0143, 0.0075},
+                         {1, 0, 0});
+  ASSERT_TRUE(sim.advance(2e-3).ok());
+  EXPECT_LT(sim.max_displacement(), 1e-9);
+  for (const Vec3& v : sim.state().velocity) ASSERT_LT(v.norm(), 1e-9);
+}
+
 /// A coarse block comes from afar and hits a thread as heavy as it is, many nodes at once. None of the blows is counted
 /// for more than one node, so that no energy appears.
 TEST_P(ThreadOnTissue, IsHitByABodyThatComes) {

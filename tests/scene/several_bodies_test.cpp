@@ -182,6 +182,22 @@ TEST(SeveralBodies, ALoadOnBothPushesTheOneThatNothingHolds) {
   EXPECT_EQ(first_pushed(model.group("soft")), -1);
 }
 
+/// Wherever the bodies with spare particles stand in the list.
+TEST(SeveralBodies, SpareParticlesComeAfterAllBodies) {
+  const Model block = with_material(make_tetrahedral_block({0.04, 0.03, 0.03}, 4, 3, 3, 0.2, 1), {5e3, 0.4, 1000.0});
+  Simulation sim({{"left", with_spare_particles(block, 100)},
+                  {"right", with_spare_particles(moved(block, {0.05, 0, 0}), 50)},
+                  {"far", moved(block, {0.2, 0, 0})}},
+                 {.backend = "reference"});
+  const Index bodies = 3 * block.particle_count();
+  EXPECT_EQ(sim.model().particle_count(), bodies + 150);
+  EXPECT_EQ(sim.model().group("left").size(), block.rest.size());
+  EXPECT_EQ(sim.model().group("far").back(), bodies - 1);
+  EXPECT_EQ(sim.model().group("right/x1").size(), block.group("x1").size());
+  ASSERT_TRUE(sim.cut(cut_plane({0.071, 0, 0}, {1, 0, 0})));
+  EXPECT_EQ(connected_bodies(sim.model()).size(), 4u);
+}
+
 /// As in a lattice: no cell is divided, so that all keep their whole volume.
 TEST(SeveralBodies, OfACutAlongFacesAreTwo) {
   const Model block = with_material(make_tetrahedral_block({0.04, 0.03, 0.03}, 4, 3, 3, 0.0, 1), {5e3, 0.4, 1000.0});

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 
+#include "support/allocation_count.h"
 #include "support/message_of.h"
 #include "support/stroke.h"
 
@@ -184,10 +185,24 @@ TEST(BladeState, CutsNothingBesideAPartWithSmallCells) {
   for (int tick = 0; tick < 10; ++tick) {
     pose.position.x() -= 1e-3;
     blade.move_to(pose);
-    uncut += sim.advance(1e-5).uncut;
+    const StepReport report = sim.advance(1e-5);
+    uncut += report.uncut;
+    EXPECT_EQ(report.message().find(" could not part: ") != std::string::npos, report.uncut > 0);
   }
   EXPECT_GT(uncut, 100);
   EXPECT_TRUE(sim.cuts().empty());
+}
+
+/// What the first cut needs is there after a call of no time, before a loop that must not pause.
+TEST(BladeState, ACallOfNoTimePreparesTheFirstCut) {
+  const Model model = make_tetrahedral_block({0.06, 0.04, 0.02}, 12, 8, 4, 0.25, 7);
+  Simulation sim(with_spare_particles(model, 100), {.material = {1e4, 0.45, 1000.0}, .backend = "cpu"});
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  sim.scene().add_tool("scalpel", {.shape = Blade{.width = 0.03}, .pose = Stroke::first(-0.005)});
+  sim.advance(0.0);
+  const std::size_t before = allocation_count();
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  EXPECT_LT(allocation_count() - before, model.rest.size() / 2) << "it lists the cells of each particle";
 }
 
 /// A spacing is that of all bodies: here an eighth of the coarse one's edges. The blade goes through its side's middle,

@@ -119,6 +119,41 @@ TEST(SimulationWarnings, ToolsInOtherUnitsAndInsideTheBody) {
             std::vector<std::string>{"the tool \"ball\" is 16 m thick, the body 0.04 m large: expected lengths in m; "
                                      "was it in mm?"});
   EXPECT_TRUE(with({.shape = Box{{1, 1, 0.05}}}, {0, 0, -0.06}).empty()) << "a floor";
+  const Model fine = make_tetrahedral_block({0.06, 0.06, 0.04}, 6, 6, 4, 0.2, 1);
+  const Tool on_top{.shape = Sphere{0.01}, .pose = {.position = {0.03, 0.03, 0.04}}};
+  EXPECT_TRUE(warnings(fine, soft, [&](Scene& scene) { scene.fix("z0").add_tool(on_top); }).empty()) << "by rounding";
+}
+
+TEST(SimulationWarnings, NeedlesBladesAndThreadsInOtherUnits) {
+  const Model body = with_spare_particles(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 1), 50);
+  const auto found = warnings(body, soft, [](Scene& scene) {
+    hold_and_pull(scene);
+    scene.add_tool("needle", {.shape = Needle{.length = 40, .radius = 0.5}, .pose = {.position = {0, 0, 0.03}}});
+    scene.add_tool("scalpel", {.shape = Blade{.width = 20}, .pose = {.position = {0, 0, 0.03}}});
+    scene.add_thread("suture", {.length = 300, .radius = 0.15, .segment = 3}, {0, 0, 1}, {1, 0, 0});
+    scene.add_tool("fine needle", {.shape = Needle{}, .pose = {.position = {0, 0, 0.03}}});
+    scene.add_thread("fine suture", {}, {0, 0, 1}, {1, 0, 0});
+  });
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_TRUE(found[0].starts_with("the tool \"needle\" is 1 m thick, the body 0.04 m large")) << found[0];
+  EXPECT_TRUE(found[1].starts_with("the tool \"scalpel\" is 20 m thick")) << found[1];
+  EXPECT_TRUE(found[2].starts_with("the thread \"suture\" is 0.3 m thick")) << found[2];
+}
+
+TEST(SimulationWarnings, WhatHasNoParticlesForACut) {
+  const Model body = make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 1);
+  const auto with_blade = [](Scene& scene) {
+    hold_and_pull(scene);
+    scene.add_tool("scalpel", {.shape = Blade{.width = 0.01}, .pose = {.position = {0, 0, 0.03}}});
+  };
+  const auto tearing = [](Scene& scene) { scene.fix("x0").tear({.toughness = 3.0}); };
+  ASSERT_EQ(warnings(body, soft, with_blade).size(), 1u);
+  EXPECT_TRUE(
+      warnings(body, soft, with_blade)[0].starts_with("the tool \"scalpel\" cannot cut: the body has no spare"));
+  ASSERT_EQ(warnings(body, soft, tearing).size(), 1u);
+  EXPECT_TRUE(warnings(body, soft, tearing)[0].starts_with("nothing can tear: the body has no spare particles"));
+  EXPECT_TRUE(warnings(with_spare_particles(body, 50), soft, with_blade).empty());
+  EXPECT_TRUE(warnings(with_spare_particles(body, 50), soft, tearing).empty());
 }
 
 /// It is in no tissue.
