@@ -319,11 +319,9 @@ struct Motion {
 /// One solver keeps its candidates, the other is given the same contacts anew before every step. Back to the start
 /// and on from a state of its own in between.
 TEST(ContactCandidates, KeptAndFreshHaveTheSameBits) {
-  const Motion motions[] = {{"resting", 0.0008, 0.0, 9.81, true},
-                            {"crumpling", 0.0008, 0.0, 200.0, true},
-                            {"colliding", 0.003, 1.0, 0.0, true},
-                            {"fast", 0.01, 6.0, 0.0, true},
-                            {"others only", 0.003, 1.0, 9.81, false}};
+  const Motion motions[] = {{"resting", 0.0008, 0.0, 9.81, true},      {"crumpling", 0.0008, 0.0, 200.0, true},
+                            {"colliding", 0.003, 1.0, 0.0, true},      {"fast", 0.01, 6.0, 0.0, true},
+                            {"overlapping", -0.0004, 0.0, 9.81, true}, {"others only", 0.003, 1.0, 9.81, false}};
   for (const BackendCase& backend : cpu_backends) {
     for (const Motion& motion : motions) {
       if (sanitized && motion.name != "colliding") continue;  // minutes each; memory is used alike in all
@@ -359,6 +357,43 @@ TEST(ContactCandidates, KeptAndFreshHaveTheSameBits) {
       }
     }
   }
+}
+
+/// The ends of a strip are bent together until they touch.
+TEST(ContactCandidates, KeptAndFreshHaveTheSameBitsInOneBody) {
+  const Model model = with_material(make_block({0.06, 0.01, 0.005}, 24, 4, 2), {5e3, 0.3, 1000.0});
+  std::vector<std::unique_ptr<Solver>> solvers;
+  Scene kept_scene(model), fresh_scene(model), free_scene(model);
+  for (Scene* scene : {&kept_scene, &fresh_scene, &free_scene}) {
+    PressedStrip(model, 0.012).press(*scene);
+    if (scene != &free_scene) scene->contacts({});
+    solvers.push_back(make_solver("cpu", model, *scene, {}, options_for({"cpu", 1}, 10.0)));
+  }
+  const double dt = 0.4 * solvers[0]->stable_step();
+  for (int step = 0; step < static_cast<int>(0.2 / dt); ++step) {
+    fresh_scene.contacts({});
+    for (const auto& solver : solvers) ASSERT_TRUE(is_ok(solver->step(1, dt)));
+  }
+  EXPECT_EQ(solvers[0]->read(), solvers[1]->read());
+  EXPECT_FALSE(solvers[0]->read() == solvers[2]->read());  // they touch
+}
+
+/// Nearer by less than the slack of a search.
+TEST(ContactCandidates, PlacesThatAreSetAreLookedAtAnew) {
+  const Model model = two_cubes(0.002);
+  const Scene scene = Scene(model).contacts({});
+  State nearer = rest_state(model);
+  for (const Index i : model.group("high")) nearer.position[i].z() -= 0.0012;
+  State after[2];
+  for (const bool steps_before : {false, true}) {
+    const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 1}));
+    if (steps_before) solver->step(1, 1e-4);
+    solver->reset(nearer);
+    solver->step(1, 1e-4);
+    after[steps_before] = solver->read();
+  }
+  EXPECT_EQ(after[0], after[1]);
+  EXPECT_FALSE(after[0].position == nearer.position);  // they touch
 }
 
 }  // namespace
