@@ -188,7 +188,8 @@ void run(const Wish& wish) {
 int main(int argc, char** argv) try {
   if (phymul::bench::prints_usage(
           argc, argv,
-          "haptic_loop [seconds >= 0.001] [particles >= 64] [threads >= 0] [moved|needle] [steps a tick >= 1]\n"
+          "haptic_loop [seconds >= 0.001] [particles >= 64] [threads >= 0] [moved|needle] [steps a tick >= 1] "
+          "[cubes|warped]\n"
           "A haptic device moves a soft block once a millisecond: how late the answers are, and what they cost.")) {
     return 0;
   }
