@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "arguments.h"
-#include "machine_ceilings.h"
 #include "stopwatch.h"
 
 namespace {
@@ -169,9 +168,9 @@ void add_touch(Scene& scene, const Case& test, const std::string& touch) {
 
 double microseconds_a_step(const std::function<void()>& steps, bool processor_time) {
   const Stopwatch watch;
-  const double begin = bench::processor_seconds();
+  const double begin = processor_seconds();
   steps();
-  return 1e6 / steps_a_turn * (processor_time ? bench::processor_seconds() - begin : watch.seconds());
+  return 1e6 / steps_a_turn * (processor_time ? processor_seconds() - begin : watch.seconds());
 }
 
 void run(const Case& test, const Choice& choice) {

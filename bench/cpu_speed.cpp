@@ -29,7 +29,6 @@
 namespace {
 
 using namespace phymul;
-using bench::processor_seconds;
 
 struct Case {
   std::string name;

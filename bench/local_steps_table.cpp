@@ -17,7 +17,7 @@
 #include <numeric>
 #include <vector>
 
-#include "machine_ceilings.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -36,9 +36,9 @@ struct Case {
   double fall(double dt) {
     solver->reset();
     const int steps = static_cast<int>(seconds / dt) + 1;
-    const double begin = bench::processor_seconds();
+    const double begin = processor_seconds();
     if (!solver->step(steps, seconds / steps).ok()) throw Error("a step failed");
-    return bench::processor_seconds() - begin;
+    return processor_seconds() - begin;
   }
   const char* name;
   Model model;
@@ -92,9 +92,9 @@ void measure_duct(int turns) {
   }
   for (int turn = 0; turn < turns; ++turn) {
     for (Row& row : rows) {
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       if (!row.solver->step(100, 0.5 * row.solver->stable_step()).ok()) throw Error("a step failed");
-      row.cost.push_back((bench::processor_seconds() - begin) / 100.0);
+      row.cost.push_back((processor_seconds() - begin) / 100.0);
     }
   }
   std::printf("liver of %d particles, duct of %d\n", liver.particle_count(), duct.particle_count());

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "stopwatch.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -60,12 +62,6 @@ float widest_chains() {
 }
 
 }  // namespace
-
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 double vector_multiply_adds(double seconds) {
   double best = 0.0;

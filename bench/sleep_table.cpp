@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "machine_ceilings.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -63,9 +63,9 @@ Run run(const Case& test, std::shared_ptr<const TopologyTextures> tables, const 
   State state;
   for (int call = 0; call < calls; ++call) {
     if (test.drive) test.drive(scene, call * test.call * dt);
-    const double begin = bench::processor_seconds();
+    const double begin = processor_seconds();
     const StepReport report = solver->step(test.call, dt);
-    done.seconds += bench::processor_seconds() - begin;
+    done.seconds += processor_seconds() - begin;
     if (!report.ok()) throw Error(report.message());
     done.steps += report.steps;
     if ((call + 1) % every != 0) continue;
@@ -141,9 +141,9 @@ void measure_awake(const char* name, const Model& model) {
   for (int k = 0; k < 101; ++k) {
     double seconds[2];
     for (const int which : {k % 2, 1 - k % 2}) {
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       if (const StepReport report = solvers[which]->step(steps, dt); !report.ok()) throw Error(report.message());
-      seconds[which] = bench::processor_seconds() - begin;
+      seconds[which] = processor_seconds() - begin;
       least[which] = std::min(least[which], seconds[which]);
     }
     ratios.push_back(seconds[1] / seconds[0]);

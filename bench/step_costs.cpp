@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "machine_ceilings.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -43,9 +43,9 @@ using Cases = std::vector<std::unique_ptr<Case>>;
 void measure(const char* body, Cases cases, int turns) {
   for (int turn = 0; turn < turns; ++turn) {
     for (auto& one : cases) {
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       if (!one->solver->step(steps_a_turn, 0.3 * one->solver->stable_step()).ok()) throw Error("a step failed");
-      one->us.push_back(1e6 * (bench::processor_seconds() - begin) / steps_a_turn);
+      one->us.push_back(1e6 * (processor_seconds() - begin) / steps_a_turn);
     }
   }
   std::printf("%s of %d particles, %s; microseconds a step\n", body, cases[0]->scene.model().particle_count(),
