@@ -233,11 +233,13 @@ int main(int argc, char** argv) try {
     tests.push_back(stacked ? tetrahedra_stacked(count) : tetrahedral_block(count));
   }
   if (tests.empty()) tests = cases();
+  const std::string& part = arguments.text("cases");
+  std::erase_if(tests, [&](const Case& test) { return test.name.find(part) == std::string::npos; });
+  if (tests.empty()) throw Error("--cases: no case has a name with \"" + part + '"');
   const int turns = std::max(1, static_cast<int>(arguments.number("turns")));
   std::printf("us a step, medians of %d turns of %d steps\n", turns, steps_a_turn);
   std::printf("%-12s %7s  %-22s %9s | %9s %9s | %6s\n", "", "threads", "", "particles", "without", "with", "ratio");
   for (const Case& test : tests) {
-    if (test.name.find(arguments.text("cases")) == std::string::npos) continue;
     for (const std::string& backend : arguments.list("backends")) {
       const std::vector<double> threads = backend == "cpu" ? arguments.numbers("threads") : std::vector{1.0};
       for (const double count : threads) run(test, {backend, static_cast<int>(count), turns, touch});

@@ -253,14 +253,19 @@ int main(int argc, char** argv) try {
   }
   const std::string filter = argc > 1 ? argv[1] : "";
   const double steps = argc > 2 ? std::atof(argv[2]) : 1.0, particles = argc > 3 ? std::atof(argv[3]) : 1.0;
+  bool ran = false;
   for (const Case& test : cases()) {
-    if (test.name.find(filter) != std::string::npos) measure(test, steps, particles);
+    if (test.name.find(filter) == std::string::npos) continue;
+    measure(test, steps, particles);
+    ran = true;
   }
   if (std::string("all awake").find(filter) != std::string::npos) {
+    ran = true;
     measure_awake("lattice", block(particles / 8));
     measure_awake("tetrahedra", tetrahedra(particles / 8));
     measure_awake("organ", organ(particles));
   }
+  if (!ran) throw Error("no case has a name with \"" + filter + '"');
   return 0;
 } catch (const phymul::Error& error) {
   return std::puts(error.what()), 1;
