@@ -99,9 +99,7 @@ double threads_gain(int threads, int pairs, double seconds) {
     const double one = rate(1);
     gain = rate(threads) / one;
   }
-  const auto middle = gains.begin() + pairs / 2;
-  std::ranges::nth_element(gains, middle);
-  return *middle;
+  return median(std::move(gains));
 }
 
 double read_bandwidth(double bytes, double seconds) {

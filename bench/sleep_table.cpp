@@ -148,9 +148,8 @@ void measure_awake(const char* name, const Model& model) {
     }
     ratios.push_back(seconds[1] / seconds[0]);
   }
-  std::ranges::sort(ratios);
   std::printf("all awake, %s: %d particles, a step takes %.3f times as long (median of %zu), least times %.3f\n", name,
-              model.particle_count(), ratios[ratios.size() / 2], ratios.size(), least[1] / least[0]);
+              model.particle_count(), median(ratios), ratios.size(), least[1] / least[0]);
 }
 
 int cells(double share, int cells) {

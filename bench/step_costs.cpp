@@ -52,12 +52,11 @@ void measure(const char* body, Cases cases, int turns) {
               cases[0]->solver->device().c_str());
   double without = 0.0;
   for (auto& one : cases) {
-    std::ranges::sort(one->us);
-    const double median = one->us[one->us.size() / 2];
-    if (without == 0.0) without = median;
+    const double us = median(one->us);
+    if (without == 0.0) without = us;
     std::printf("  %-32s %7.1f, %+7.1f, ratio %.3f; %.1f million particle-steps/s; stable step %.3g s\n",
-                one->name.c_str(), median, median - without, median / without,
-                one->scene.model().particle_count() / median, one->solver->stable_step());
+                one->name.c_str(), us, us - without, us / without, one->scene.model().particle_count() / us,
+                one->solver->stable_step());
   }
 }
 

@@ -199,12 +199,11 @@ void press_flat(const char* name, const Model& body, const Vec3& half, const std
       seconds.push_back(processor_seconds() - begin);
       if (!report.ok()) throw Error(report.message());
     }
-    std::ranges::nth_element(seconds, seconds.begin() + 90);
     std::printf("  %-9s: a tick %.3f ms",
                 contact < 0    ? "no tool"
                 : contact == 0 ? "particles"
                                : "surface",
-                1e3 * seconds[90]);
+                1e3 * median(seconds));
     if (contact >= 0) {
       std::printf(", force %.4f N", solver->tool_force(scene.tools().front().name).mean_force.norm());
     }
@@ -271,8 +270,7 @@ void hold_with_jaws() {
       seconds.push_back(processor_seconds() - begin);
       steps += report.steps;
     }
-    std::ranges::nth_element(seconds, seconds.begin() + 100);
-    std::printf("  %-22s: a tick %.3f ms, %.1f steps, grip %.3f N\n", name, 1e3 * seconds[100], steps / 200.0,
+    std::printf("  %-22s: a tick %.3f ms, %.1f steps, grip %.3f N\n", name, 1e3 * median(seconds), steps / 200.0,
                 jaws.grip());
   };
   hold("open", ToolContact::surface, 0.006, false);
