@@ -3,6 +3,7 @@
 
 #include <phymul/error.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "expression.h"
@@ -38,6 +39,17 @@ std::vector<std::string> Arguments::list(const std::string& name) const {
   std::istringstream in(text(name));
   std::vector<std::string> entries;
   for (std::string entry; std::getline(in, entry, ',');) entries.push_back(entry);
+  return entries;
+}
+
+std::vector<std::string> Arguments::chosen(const std::string& name, const std::vector<std::string>& of) const {
+  std::vector<std::string> entries = list(name);
+  for (const std::string& entry : entries) {
+    if (std::ranges::find(of, entry) != of.end()) continue;
+    std::string text = "--" + name + ": expected";
+    for (const std::string& known : of) text += ' ' + known;
+    throw Error(text + ", got \"" + entry + '"');
+  }
   return entries;
 }
 

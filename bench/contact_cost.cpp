@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "arguments.h"
-#include "machine_ceilings.h"
 #include "stopwatch.h"
 
 namespace {
@@ -169,9 +168,9 @@ void add_touch(Scene& scene, const Case& test, const std::string& touch) {
 
 double microseconds_a_step(const std::function<void()>& steps, bool processor_time) {
   const Stopwatch watch;
-  const double begin = bench::processor_seconds();
+  const double begin = processor_seconds();
   steps();
-  return 1e6 / steps_a_turn * (processor_time ? bench::processor_seconds() - begin : watch.seconds());
+  return 1e6 / steps_a_turn * (processor_time ? processor_seconds() - begin : watch.seconds());
 }
 
 void run(const Case& test, const Choice& choice) {
@@ -234,11 +233,13 @@ int main(int argc, char** argv) try {
     tests.push_back(stacked ? tetrahedra_stacked(count) : tetrahedral_block(count));
   }
   if (tests.empty()) tests = cases();
+  const std::string& part = arguments.text("cases");
+  std::erase_if(tests, [&](const Case& test) { return test.name.find(part) == std::string::npos; });
+  if (tests.empty()) throw Error("--cases: no case has a name with \"" + part + '"');
   const int turns = std::max(1, static_cast<int>(arguments.number("turns")));
   std::printf("us a step, medians of %d turns of %d steps\n", turns, steps_a_turn);
   std::printf("%-12s %7s  %-22s %9s | %9s %9s | %6s\n", "", "threads", "", "particles", "without", "with", "ratio");
   for (const Case& test : tests) {
-    if (test.name.find(arguments.text("cases")) == std::string::npos) continue;
     for (const std::string& backend : arguments.list("backends")) {
       const std::vector<double> threads = backend == "cpu" ? arguments.numbers("threads") : std::vector{1.0};
       for (const double count : threads) run(test, {backend, static_cast<int>(count), turns, touch});

@@ -29,7 +29,6 @@
 namespace {
 
 using namespace phymul;
-using bench::processor_seconds;
 
 struct Case {
   std::string name;
@@ -239,8 +238,12 @@ int main(int argc, char** argv) {
               repeats);
   std::printf("%-34s %8s | %8s  %8s %15s %8s | %6s | %s\n", "", "particles", "plain", "1 thread", "", "2", "ratio",
               "2 : 1, of two without anything in common");
+  bool ran = false;
   for (const Case& test : cases()) {
-    if (test.name.find(filter) != std::string::npos) run(test, repeats);
+    if (test.name.find(filter) == std::string::npos) continue;
+    run(test, repeats);
+    ran = true;
   }
-  return 0;
+  if (!ran) std::printf("no case has a name with \"%s\"\n", filter.c_str());
+  return ran ? 0 : 2;
 }

@@ -17,9 +17,9 @@
 
 #include "haptic_scene.h"
 #include "machine.h"
-#include "machine_ceilings.h"
 #include "paced_ticks.h"
 #include "plain_ticks.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -70,13 +70,13 @@ class Loop {
   void unpaced(const char* what, int ticks, double seconds, Drive drive) {
     Times times;
     const Clock::time_point begin = Clock::now();
-    const double cpu = phymul::bench::processor_seconds();  // of all threads; unpaced only, as waiting spins
+    const double cpu = processor_seconds();  // of all threads; unpaced only, as waiting spins
     for (int k = 0; k < ticks && std::chrono::duration<double>(Clock::now() - begin).count() < seconds; ++k) {
       const Clock::time_point start = Clock::now();
       work(drive);
       times.seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
     }
-    const double each = (phymul::bench::processor_seconds() - cpu) / static_cast<double>(times.seconds.size());
+    const double each = (processor_seconds() - cpu) / static_cast<double>(times.seconds.size());
     std::printf("%s: %.0f us (median), %.0f (99 %%), %.0f (99.9 %%), %.0f us of processor time\n", what,
                 1e6 * times.at(0.5), 1e6 * times.at(0.99), 1e6 * times.at(0.999), 1e6 * each);
   }
@@ -188,7 +188,8 @@ void run(const Wish& wish) {
 int main(int argc, char** argv) try {
   if (phymul::bench::prints_usage(
           argc, argv,
-          "haptic_loop [seconds >= 0.001] [particles >= 64] [threads >= 0] [moved|needle] [steps a tick >= 1]\n"
+          "haptic_loop [seconds >= 0.001] [particles >= 64] [threads >= 0] [moved|needle] [steps a tick >= 1] "
+          "[cubes|warped]\n"
           "A haptic device moves a soft block once a millisecond: how late the answers are, and what they cost.")) {
     return 0;
   }

@@ -17,7 +17,7 @@
 #include <numeric>
 #include <vector>
 
-#include "machine_ceilings.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -36,9 +36,9 @@ struct Case {
   double fall(double dt) {
     solver->reset();
     const int steps = static_cast<int>(seconds / dt) + 1;
-    const double begin = bench::processor_seconds();
+    const double begin = processor_seconds();
     if (!solver->step(steps, seconds / steps).ok()) throw Error("a step failed");
-    return bench::processor_seconds() - begin;
+    return processor_seconds() - begin;
   }
   const char* name;
   Model model;
@@ -92,16 +92,15 @@ void measure_duct(int turns) {
   }
   for (int turn = 0; turn < turns; ++turn) {
     for (Row& row : rows) {
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       if (!row.solver->step(100, 0.5 * row.solver->stable_step()).ok()) throw Error("a step failed");
-      row.cost.push_back((bench::processor_seconds() - begin) / 100.0);
+      row.cost.push_back((processor_seconds() - begin) / 100.0);
     }
   }
   std::printf("liver of %d particles, duct of %d\n", liver.particle_count(), duct.particle_count());
   double alone = 0.0;
   for (Row& row : rows) {
-    std::ranges::sort(row.cost);
-    const double step = row.cost[row.cost.size() / 2], cost = step / (0.5 * row.solver->stable_step());
+    const double step = median(row.cost), cost = step / (0.5 * row.solver->stable_step());
     if (&row == &rows.front()) alone = cost;
     std::printf("  %-36s stable step %.3g s, %.1f us per step, %.3g s per second, %.2f times\n", row.name,
                 row.solver->stable_step(), 1e6 * step, cost, cost / alone);
@@ -135,18 +134,17 @@ void measure(const char* kind, const Model& shape, int turns) {
   }
   std::printf("%s, %d particles, %s\n", kind, shape.particle_count(), cases[0]->solver->device().c_str());
   for (std::size_t k = 0; k < cases.size(); ++k) {
-    Case& one = *cases[k];
-    std::ranges::sort(one.cost);
+    const Case& one = *cases[k];
     const VecList& exact = fine[std::min<std::size_t>(k, 1)];
     std::printf("  %-17s: stable step %.3g s, %d substeps, %.3g s per second, error in time %.2f %%\n", one.name,
-                one.solver->stable_step(), one.solver->substeps(), one.cost[one.cost.size() / 2],
+                one.solver->stable_step(), one.solver->substeps(), median(one.cost),
                 100.0 * difference(one.solver->read().position, exact) / difference(exact, shape.rest));
   }
   std::vector<double> ratio;
   for (std::size_t turn = 0; turn < cases[0]->cost.size(); ++turn) {
     ratio.push_back(cases[2]->cost[turn] / cases[0]->cost[turn]);
   }
-  std::printf("  substeps over without the ball: %.2f times\n", ratio[ratio.size() / 2]);
+  std::printf("  substeps over without the ball: %.2f times\n", median(ratio));
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "stopwatch.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -61,12 +63,6 @@ float widest_chains() {
 
 }  // namespace
 
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 double vector_multiply_adds(double seconds) {
   double best = 0.0;
   const double end = processor_seconds() + seconds;
@@ -103,9 +99,7 @@ double threads_gain(int threads, int pairs, double seconds) {
     const double one = rate(1);
     gain = rate(threads) / one;
   }
-  const auto middle = gains.begin() + pairs / 2;
-  std::ranges::nth_element(gains, middle);
-  return *middle;
+  return median(std::move(gains));
 }
 
 double read_bandwidth(double bytes, double seconds) {

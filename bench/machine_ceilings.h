@@ -17,7 +17,4 @@ double threads_gain(int threads, int pairs = 7, double seconds = 0.05);
 /// Bytes a second read one after another from an array of that many.
 double read_bandwidth(double bytes, double seconds);
 
-/// Processor time of this process, s: what something costs however many others share the machine.
-double processor_seconds();
-
 }  // namespace phymul::bench

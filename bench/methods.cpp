@@ -80,6 +80,12 @@ const std::vector<Method>& all_methods() {
   return methods;
 }
 
+std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (const Method& method : all_methods()) names.push_back(method.name);
+  return names;
+}
+
 MethodBody body_for(const Method& method, const Problem& problem) {
   MethodBody body{problem.model, method.options};
   if (method.rule == StiffnessRule::material) return body;

@@ -29,6 +29,7 @@ struct Method {
 };
 
 const std::vector<Method>& all_methods();
+std::vector<std::string> method_names();
 
 /// The problem's body as the method wants it: neighbours, stiffness 1 N/m where it is not calibrated, options.
 struct MethodBody {

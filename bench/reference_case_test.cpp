@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 
+#include "arguments.h"
 #include "expression.h"
 #include "measures.h"
 #include "methods.h"
@@ -35,6 +36,14 @@ TEST(Expression, ErrorsQuoteTheText) {
   for (const char* wrong : {"", "1+", "2*(3", "y", "foo(1)", "1/0", "3 4", "sin(1,2)"}) {
     EXPECT_THROW(evaluate(wrong, {}), Error) << wrong;
   }
+}
+
+TEST(Arguments, RefuseAChoiceThatIsNotThere) {
+  char program[] = "work_precision", name[] = "--methods", value[] = "averaged,neo_hookean";
+  char* argv[] = {program, name, value};
+  const Arguments given(3, argv, {{"methods", ""}});
+  EXPECT_EQ(given.chosen("methods", {"averaged", "neo_hookean"}).size(), 2u);
+  EXPECT_THROW(given.chosen("methods", method_names()), Error);
 }
 
 class CaseFile : public testing::Test {

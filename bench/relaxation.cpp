@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <numbers>
 #include <vector>
 
@@ -159,11 +158,11 @@ class Relaxing {
     const Stopwatch began;
     do {
       solver.reset(start);
-      const std::clock_t processor_begin = std::clock();
+      const double processor_begin = processor_seconds();
       const Stopwatch begin;
       const int taken = std::max(1, solver.step(steps, result_.dt).steps);
       seconds.push_back(begin.seconds() / taken);
-      processor.push_back(static_cast<double>(std::clock() - processor_begin) / CLOCKS_PER_SEC / taken);
+      processor.push_back((processor_seconds() - processor_begin) / taken);
     } while (seconds.size() < timed_runs && result_.status == "ok" && began.seconds() < 0.5 * plan_.wall_cap);
     result_.wall_per_step = median(std::move(seconds));
     result_.cpu_per_step = median(std::move(processor));

@@ -9,7 +9,6 @@
 #include <sys/resource.h>
 
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -36,11 +35,6 @@ double peak() {
   rusage use{};
   getrusage(RUSAGE_SELF, &use);
   return 1024.0 * static_cast<double>(use.ru_maxrss);
-}
-
-/// Of all threads.
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 Model body(const std::string& kind, double size) {

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "machine_ceilings.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -63,9 +63,9 @@ Run run(const Case& test, std::shared_ptr<const TopologyTextures> tables, const 
   State state;
   for (int call = 0; call < calls; ++call) {
     if (test.drive) test.drive(scene, call * test.call * dt);
-    const double begin = bench::processor_seconds();
+    const double begin = processor_seconds();
     const StepReport report = solver->step(test.call, dt);
-    done.seconds += bench::processor_seconds() - begin;
+    done.seconds += processor_seconds() - begin;
     if (!report.ok()) throw Error(report.message());
     done.steps += report.steps;
     if ((call + 1) % every != 0) continue;
@@ -141,16 +141,15 @@ void measure_awake(const char* name, const Model& model) {
   for (int k = 0; k < 101; ++k) {
     double seconds[2];
     for (const int which : {k % 2, 1 - k % 2}) {
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       if (const StepReport report = solvers[which]->step(steps, dt); !report.ok()) throw Error(report.message());
-      seconds[which] = bench::processor_seconds() - begin;
+      seconds[which] = processor_seconds() - begin;
       least[which] = std::min(least[which], seconds[which]);
     }
     ratios.push_back(seconds[1] / seconds[0]);
   }
-  std::ranges::sort(ratios);
   std::printf("all awake, %s: %d particles, a step takes %.3f times as long (median of %zu), least times %.3f\n", name,
-              model.particle_count(), ratios[ratios.size() / 2], ratios.size(), least[1] / least[0]);
+              model.particle_count(), median(ratios), ratios.size(), least[1] / least[0]);
 }
 
 int cells(double share, int cells) {
@@ -253,14 +252,19 @@ int main(int argc, char** argv) try {
   }
   const std::string filter = argc > 1 ? argv[1] : "";
   const double steps = argc > 2 ? std::atof(argv[2]) : 1.0, particles = argc > 3 ? std::atof(argv[3]) : 1.0;
+  bool ran = false;
   for (const Case& test : cases()) {
-    if (test.name.find(filter) != std::string::npos) measure(test, steps, particles);
+    if (test.name.find(filter) == std::string::npos) continue;
+    measure(test, steps, particles);
+    ran = true;
   }
   if (std::string("all awake").find(filter) != std::string::npos) {
+    ran = true;
     measure_awake("lattice", block(particles / 8));
     measure_awake("tetrahedra", tetrahedra(particles / 8));
     measure_awake("organ", organ(particles));
   }
+  if (!ran) throw Error("no case has a name with \"" + filter + '"');
   return 0;
 } catch (const phymul::Error& error) {
   return std::puts(error.what()), 1;

@@ -4,9 +4,9 @@
 #include <phymul/error.h>
 
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <ctime>
+
+#include "stopwatch.h"
 
 namespace phymul::bench {
 namespace {
@@ -68,12 +68,12 @@ SoftCubeRun run_soft_cube(const Model& cube, bool with_volume, const std::string
     for (const Index i : cube.group("held")) state.velocity[i].setZero();
     solver->reset(state);
     solver->read(state);
-    const double cpu = cpu_seconds();
-    const auto start = std::chrono::steady_clock::now();
+    const double cpu = processor_seconds();
+    const Stopwatch wall;
     const StepReport report = solver->step(steps, dt);
     solver->read(state);
-    run.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    run.cpu = cpu_seconds() - cpu;
+    run.wall = wall.seconds();
+    run.cpu = processor_seconds() - cpu;
     run.steps = report.steps;
     run.position = state.position;
     if (!report.ok()) {
@@ -94,10 +94,6 @@ double relative_error(const Model& cube, const VecList& position, const VecList&
     size += (reference[i] - cube.rest[i]).squaredNorm();
   }
   return std::sqrt(off / size);
-}
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 }  // namespace phymul::bench

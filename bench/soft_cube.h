@@ -38,7 +38,4 @@ SoftCubeRun run_soft_cube_in_bullet(const Model& cube, int steps);
 /// |x - x_ref| over |x_ref - rest|, all particles.
 double relative_error(const Model& cube, const VecList& position, const VecList& reference);
 
-/// Processor time of this process, all threads, s.
-double cpu_seconds();
-
 }  // namespace phymul::bench

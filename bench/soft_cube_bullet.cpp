@@ -17,8 +17,9 @@
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 
-#include <chrono>
 #include <memory>
+
+#include "stopwatch.h"
 
 namespace phymul::bench {
 namespace {
@@ -81,11 +82,11 @@ SoftCubeRun run_soft_cube_in_bullet(const Model& cube, int steps) {
   btDeformableGravityForce gravity(btVector3(0, -cube_gravity, 0));
   world.world->addForce(body.get(), &springs);
   world.world->addForce(body.get(), &gravity);
-  const double dt = cube_time / steps, cpu = cpu_seconds();
-  const auto start = std::chrono::steady_clock::now();
+  const double dt = cube_time / steps, cpu = processor_seconds();
+  const Stopwatch wall;
   for (int k = 0; k < steps; ++k) world.world->stepSimulation(dt, 0, dt);
-  run.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  run.cpu = cpu_seconds() - cpu;
+  run.wall = wall.seconds();
+  run.cpu = processor_seconds() - cpu;
   run.steps = steps;
   for (int i = 0; i < body->m_nodes.size(); ++i) {
     const btVector3& x = body->m_nodes[i].m_x;

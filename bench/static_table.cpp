@@ -8,18 +8,12 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
 
 using namespace phymul;
-
-/// s of this thread's processor, which other programs do not lengthen.
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 Simulation cantilever(int across, double poisson, double gravity) {
   SimulationOptions options{.material = Material{.young = 10e3, .poisson = poisson, .density = 1000}, .backend = "cpu"};

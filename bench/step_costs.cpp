@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "machine_ceilings.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -43,21 +43,20 @@ using Cases = std::vector<std::unique_ptr<Case>>;
 void measure(const char* body, Cases cases, int turns) {
   for (int turn = 0; turn < turns; ++turn) {
     for (auto& one : cases) {
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       if (!one->solver->step(steps_a_turn, 0.3 * one->solver->stable_step()).ok()) throw Error("a step failed");
-      one->us.push_back(1e6 * (bench::processor_seconds() - begin) / steps_a_turn);
+      one->us.push_back(1e6 * (processor_seconds() - begin) / steps_a_turn);
     }
   }
   std::printf("%s of %d particles, %s; microseconds a step\n", body, cases[0]->scene.model().particle_count(),
               cases[0]->solver->device().c_str());
   double without = 0.0;
   for (auto& one : cases) {
-    std::ranges::sort(one->us);
-    const double median = one->us[one->us.size() / 2];
-    if (without == 0.0) without = median;
+    const double us = median(one->us);
+    if (without == 0.0) without = us;
     std::printf("  %-32s %7.1f, %+7.1f, ratio %.3f; %.1f million particle-steps/s; stable step %.3g s\n",
-                one->name.c_str(), median, median - without, median / without,
-                one->scene.model().particle_count() / median, one->solver->stable_step());
+                one->name.c_str(), us, us - without, us / without, one->scene.model().particle_count() / us,
+                one->solver->stable_step());
   }
 }
 

@@ -244,8 +244,11 @@ void run(const Arguments& arguments) {
   if (sizes.empty()) sizes.assign(sweep_sizes().begin(), sweep_sizes().end());
   if (quick) std::erase_if(sizes, [](double size) { return size > 512; });
   Sweep sweep(arguments, limits);
+  std::vector<std::string> names;
+  for (const SweepVariant& variant : sweep_variants()) names.push_back(variant.name);
+  const std::vector<std::string> chosen = arguments.chosen("variants", names);
   for (const SweepVariant& variant : sweep_variants()) {
-    if (!wanted(arguments.list("variants"), variant.name)) continue;
+    if (!wanted(chosen, variant.name)) continue;
     for (const double size : sizes) {
       if (has_body(variant, static_cast<int>(size))) sweep.run(variant, static_cast<int>(size));
     }

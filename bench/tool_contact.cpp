@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "machine_ceilings.h"
+#include "stopwatch.h"
 #include "usage.h"
 
 namespace {
@@ -94,9 +94,9 @@ class Hand {
   /// N, mean over a tick that ends at this place.
   double move(const Vec3& to) {
     scene_.tool("probe").move_to({.position = to});
-    const double begin = bench::processor_seconds();
+    const double begin = processor_seconds();
     const StepReport report = solver_->step(steps_, tick / steps_);
-    seconds_ += bench::processor_seconds() - begin;
+    seconds_ += processor_seconds() - begin;
     ++ticks_;
     if (!report.ok()) throw Error(report.message());
     return solver_->tool_force("probe").mean_force.norm();
@@ -194,17 +194,16 @@ void press_flat(const char* name, const Model& body, const Vec3& half, const std
       for (std::size_t row = 0; row < scene.tools().size(); ++row) {
         scene.tool(scene.tools()[row].name).move_to(place(heights[row], 1e-4 * std::min(k, 30)));
       }
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       const StepReport report = solver->step(steps, tick / steps);
-      seconds.push_back(bench::processor_seconds() - begin);
+      seconds.push_back(processor_seconds() - begin);
       if (!report.ok()) throw Error(report.message());
     }
-    std::ranges::nth_element(seconds, seconds.begin() + 90);
     std::printf("  %-9s: a tick %.3f ms",
                 contact < 0    ? "no tool"
                 : contact == 0 ? "particles"
                                : "surface",
-                1e3 * seconds[90]);
+                1e3 * median(seconds));
     if (contact >= 0) {
       std::printf(", force %.4f N", solver->tool_force(scene.tools().front().name).mean_force.norm());
     }
@@ -264,15 +263,14 @@ void hold_with_jaws() {
     int steps = 0;
     for (int k = 0; k < 600; ++k) {
       jaws.follow(hinge, sim.force_on(jaws.first()), sim.force_on(jaws.second()), tick);
-      const double begin = bench::processor_seconds();
+      const double begin = processor_seconds();
       const StepReport report = sim.advance(tick);
       if (!report.ok()) throw Error(report.message());
       if (k < 400) continue;
-      seconds.push_back(bench::processor_seconds() - begin);
+      seconds.push_back(processor_seconds() - begin);
       steps += report.steps;
     }
-    std::ranges::nth_element(seconds, seconds.begin() + 100);
-    std::printf("  %-22s: a tick %.3f ms, %.1f steps, grip %.3f N\n", name, 1e3 * seconds[100], steps / 200.0,
+    std::printf("  %-22s: a tick %.3f ms, %.1f steps, grip %.3f N\n", name, 1e3 * median(seconds), steps / 200.0,
                 jaws.grip());
   };
   hold("open", ToolContact::surface, 0.006, false);

@@ -52,7 +52,7 @@ void topology_material(benchmark::State& run) {
   build(run, tetrahedral_block(static_cast<int>(run.range(0))));
 }
 
-/// Of some 14,600 tetrahedra around random places, or spread over the body: 100 cells a call, on "cpu".
+/// Of 13,182 tetrahedra around random places, or spread over the body: 100 cells a call, on "cpu".
 void remove_cells(benchmark::State& run) {
   phymul::SimulationOptions options;
   options.backend = "cpu";

@@ -142,7 +142,7 @@ int main(int argc, char** argv) try {
       }
     }
   }
-  const std::vector<std::string> methods = arguments.list("methods");
+  const std::vector<std::string> methods = arguments.chosen("methods", method_names());
   CsvFile order(arguments.text("order"), {"backend", "method", "label", "dt", "share_of_limit", "steps", "error"});
   order_in_time(order, backends, methods, static_cast<int>(arguments.number("finest")));
   CsvFile distance(arguments.text("equivalence"),

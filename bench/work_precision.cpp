@@ -275,13 +275,10 @@ int main(int argc, char** argv) try {
   }
   const Arguments arguments(argc, argv, known);
   Choice choice;
-  choice.methods = arguments.list("methods");
+  choice.methods = arguments.chosen("methods", method_names());
   choice.backends = arguments.list("backends");
   choice.step_shares = arguments.numbers("steps");
-  choice.ways_to_rest = arguments.list("rest");
-  for (const std::string& way : choice.ways_to_rest) {
-    if (way != by_steps && way != solved) throw Error("--rest: expected steps or solve_static, got \"" + way + '"');
-  }
+  choice.ways_to_rest = arguments.chosen("rest", {by_steps, solved});
   choice.stabiliser_share = arguments.number("stabiliser");
   choice.most_particles = arguments.number("most-particles");
   choice.most_particles_in_reference = arguments.number("most-particles-in-reference");
@@ -300,6 +297,7 @@ int main(int argc, char** argv) try {
     samples = std::make_unique<CsvFile>(arguments.text("samples"), sample_columns);
   }
   Run run(file, samples.get(), choice);
+  bool ran = false;
   for (const std::string& path : arguments.list("cases")) {
     for (const ReferenceCase& reference_case : read_cases(path)) {
       const bool main_only = arguments.text("levels") == "main";
@@ -307,10 +305,12 @@ int main(int argc, char** argv) try {
         if (main_only ? wanted(reference_case.levels_to_draw(), level.name)
                       : arguments.text("levels") == "all" || wanted(arguments.list("levels"), level.name)) {
           run.level(reference_case, level.name);
+          ran = true;
         }
       }
     }
   }
+  if (!ran) throw Error("--levels: none of the cases has a level of \"" + arguments.text("levels") + '"');
 } catch (const phymul::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

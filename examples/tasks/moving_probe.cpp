@@ -81,7 +81,10 @@ int main() try {
       Next made = next.get();
       // Velocities of half a step before: state() and set_state() would evaluate the forces for those of the state's
       // time.
-      made.sim.unrecorded_solver().reset(made.transfer(sim.solver().read()));
+      phymul::State state = made.transfer(sim.solver().read());
+      // Both bodies are as fine below the probe, so it goes on pressing, as within one body.
+      for (phymul::ToolState& tool : state.tools) tool.placed = false;
+      made.sim.unrecorded_solver().reset(state);
       old = std::exchange(sim, std::move(made.sim));
       ++rebuilds;
       seconds = seconds_since(begin);

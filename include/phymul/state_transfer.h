@@ -20,7 +20,8 @@ class StateTransfer {
 
   /// `state`: of the old body, with [N] positions, m, and velocities, m/s. Returns that of the new body at the same
   /// time. Tools keep their poses, and the next step moves the particles that they cover out of them without giving
-  /// them speed (ToolState::placed). Threads and fluids stay as they are: the new scene must have the same threads,
+  /// them speed (ToolState::placed; false in its place keeps a tool's force where both bodies are alike below it).
+  /// Threads and fluids stay as they are: the new scene must have the same threads,
   /// sewn through the same places. Throws Error if the sizes do not agree, and (not_supported) for what names particles
   /// of the old body: a tool that holds particles, a needle or a blade in the body, passages that a needle has made, a
   /// broken joint.
