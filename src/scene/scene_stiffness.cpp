@@ -20,7 +20,7 @@ void require_factor(const Model& model, double factor) {
   if (model.materials.empty()) {
     throw Error("scale_stiffness: expected a model with a material, got one without; use set_material first");
   }
-  if (std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_of_wall(model, cell); })) {
+  if (has_walls(model)) {
     throw Error(ErrorCode::not_supported,
                 "scale_stiffness: expected a body without walls (materials with a thickness)");
   }
