@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -93,9 +92,10 @@ class SimdSolver final : public SolverBackend {
     if (!known) refuse_parts(snapshot);
     if (sleep_ && slept) sleep_->require_fitting(snapshot.parts.front().bytes);
     const StrainMemory strains = strains_of(snapshot, topology());
+    const VecList pushes = local_ ? local_->forces().pushes_of(snapshot) : VecList();
     take(snapshot.state, snapshot.displacement);
     if (dissipation_) dissipation_->reset(strains);
-    if (local_) local_->forces().take(snapshot);
+    if (local_) local_->forces().reset(pushes);
     if (sleep_ && slept) sleep_->remember(snapshot.parts.front().bytes);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
