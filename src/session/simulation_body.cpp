@@ -103,6 +103,12 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
     solver().body_changed();  // after which it has forgotten what tools were asked since its last step
   } catch (...) {
     change_body(removed_before, cuts_before);
+    try {  // the solver may have taken over a part before memory ran out; one that does not follow has taken over
+           // nothing
+      solver().body_changed();
+      ask_tools_again(scene.tools(), tools_seen);
+    } catch (...) {
+    }
     throw;
   }
   ask_tools_again(scene.tools(), tools_seen);

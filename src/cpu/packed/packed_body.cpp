@@ -262,8 +262,10 @@ bool PackedBody::edit(const TopologyTextures& topology, std::span<const Index> d
     return false;
   }
   const bool anew = !averages.runs.empty();
-  if (anew) averages = pack_averages(topology, order, places, lanes, AveragedLinks::by_slot);
-  averages.edit(topology, domains);
+  PackedAverages by_slot;
+  if (anew) by_slot = pack_averages(topology, order, places, lanes, AveragedLinks::by_slot);
+  (anew ? by_slot : averages).edit(topology, domains);
+  if (anew) averages = std::move(by_slot);
   for (const Index d : domains) {
     const Index i = topology.domains[d].particle;
     put_mass(topology.mass[i], static_cast<std::size_t>(averages.place_of_domain[topology.first_domain[i]]), *this);

@@ -129,8 +129,9 @@ class SimdSolver final : public SolverBackend {
   }
 
   void do_body_changed(std::span<const Index> domains) override {
-    if (body_->edit(topology(), domains)) averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
-    if (clustered_) {
+    if (body_->edit(topology(), domains)) averaged_.reset();
+    if (body_->averaged() && !averaged_) averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
+    if (!topology().walls.empty()) {
       force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
       clustered_.emplace(*body_, kernels_, pool_.parts(), far_);
     }
@@ -159,7 +160,6 @@ class SimdSolver final : public SolverBackend {
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(scene().tools()[row]); }
-
   const ThreadState& do_thread_state(std::size_t row) const override {
     return tools_.set().thread(scene().threads()[row]);
   }
