@@ -72,9 +72,10 @@ class ReferenceSolver final : public SolverBackend {
     const bool pushed = local_ && LocalForces::has(snapshot);
     if (snapshot.parts.size() != std::size_t{strained} + std::size_t{pushed}) refuse_parts(snapshot);
     const StrainMemory strains = strains_of(snapshot, topology());
+    const VecList pushes = local_ ? local_->pushes_of(snapshot) : VecList();
     do_reset(snapshot.state);
     dissipation_.reset(strains);
-    if (local_) local_->take(snapshot);
+    if (local_) local_->reset(pushes);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
   }
@@ -139,7 +140,7 @@ class ReferenceSolver final : public SolverBackend {
 
   void solve_joints(const StepPlan& plan) {
     solve_joints(
-        plan, [this](Index i) { return acceleration(i, force_[i], frame()); }, false);
+        plan, [this](Index i) { return acceleration(i); }, false);
   }
 
   void predict(const StepPlan& plan) {
@@ -221,15 +222,12 @@ class ReferenceSolver final : public SolverBackend {
     return energy;
   }
 
-  static bool fixed(Index i, int axis, const LoadFrame& loads) {
-    return !loads.fixed.empty() && (loads.fixed[i] >> axis & 1) != 0;
-  }
-  bool fixed(Index i, int axis) const { return fixed(i, axis, frame()); }
+  bool fixed(Index i, int axis) const { return !frame().fixed.empty() && (frame().fixed[i] >> axis & 1) != 0; }
 
-  Vec3 acceleration(Index i, const Vec3& elastic, const LoadFrame& loads) const {
+  Vec3 acceleration(Index i) const {
     if (topology().mass[i] == 0.0) return Vec3::Zero();  // removed
-    const Vec3 load = loads.force.empty() ? Vec3(Vec3::Zero()) : loads.force[i];
-    return (elastic + load) / topology().mass[i] + loads.gravity;
+    const Vec3 load = frame().force.empty() ? Vec3(Vec3::Zero()) : frame().force[i];
+    return (force_[i] + load) / topology().mass[i] + frame().gravity;
   }
 
   bool cut_forces(double largest) {
@@ -285,7 +283,7 @@ class ReferenceSolver final : public SolverBackend {
     for (std::size_t r = 0; r < particle.size(); ++r) {
       const Index i = particle[r];
       local_x_[r] = state_.position[i];
-      local_a_[r] = acceleration(i, force_[i], frame());
+      local_a_[r] = acceleration(i);
       for (int axis = 0; axis < 3; ++axis) {
         if (fixed(i, axis)) local_a_[r][axis] = 0.0;
       }
@@ -320,7 +318,7 @@ class ReferenceSolver final : public SolverBackend {
   void measure(Motion& motion) const {
     motion.max_acceleration = motion.max_force = 0.0;
     for (Index i = 0; i < topology().particle_count; ++i) {
-      Vec3 a = acceleration(i, force_[i], frame());
+      Vec3 a = acceleration(i);
       for (int axis = 0; axis < 3; ++axis) {
         if (fixed(i, axis)) a[axis] = 0.0;
       }
@@ -332,8 +330,8 @@ class ReferenceSolver final : public SolverBackend {
   /// Forces act at the old time, imposed positions hold at the new one.
   void integrate_all(const StepPlan& plan) {
     for (Index i = 0; i < topology().particle_count; ++i) {
-      const Moved<double> moved = integrate<double>(state_.position[i], state_.velocity[i],
-                                                    acceleration(i, force_[i], frame()), plan.dt, plan.damping_factor);
+      const Moved<double> moved =
+          integrate<double>(state_.position[i], state_.velocity[i], acceleration(i), plan.dt, plan.damping_factor);
       next_position_[i] = moved.position;
       next_velocity_[i] = moved.velocity;
     }

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "dissipation.h"
 
-#include <phymul/error.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "base/checked_file.h"
 #include "mean_gradient.h"
+#include "snapshot_numbers.h"
 
 namespace phymul {
 namespace {
@@ -46,11 +44,6 @@ void add_stress(const TopologyTextures& t, Index d, const Mat3& P, std::span<Vec
   });
 }
 
-const Snapshot::Part* find_part(const Snapshot& snapshot) {
-  const auto found = std::ranges::find(snapshot.parts, part_name, &Snapshot::Part::name);
-  return found == snapshot.parts.end() ? nullptr : &*found;
-}
-
 }  // namespace
 
 KeptStrains kept_strains(const TopologyTextures& topology) {
@@ -64,37 +57,18 @@ KeptStrains kept_strains(const TopologyTextures& topology) {
 
 void put_strains(const StrainMemory& memory, Snapshot& snapshot) {
   if (memory.empty()) return;
-  ByteWriter out;
-  for (const Strain& strain : memory) {
-    for (const double e : strain) out.real(e);
-  }
-  snapshot.parts.push_back({part_name, {out.bytes().begin(), out.bytes().end()}});
+  put_numbers(part_name, {memory.front().data(), memory.size() * memory.front().size()}, snapshot);
 }
 
 bool has_strains(const Snapshot& snapshot) {
-  return find_part(snapshot) != nullptr;
+  return has_part(part_name, snapshot);
 }
 
 StrainMemory strains_of(const Snapshot& snapshot, const TopologyTextures& topology) {
-  StrainMemory memory;
-  const Snapshot::Part* const part = find_part(snapshot);
-  if (part == nullptr) return memory;
-  memory.resize(topology.dissipation.size() * kept_strains(topology).count());
-  const std::size_t bytes = memory.size() * sizeof(Strain);
-  if (memory.empty() || part->bytes.size() != bytes) {
-    throw Error("Solver::restore: expected the snapshot's part \"strains\" to have " + std::to_string(bytes) +
-                " bytes for this body, got " + std::to_string(part->bytes.size()) + "; the solver keeps its state");
-  }
-  ByteReader in("strains", {reinterpret_cast<const char*>(part->bytes.data()), bytes});
-  for (Strain& strain : memory) {
-    for (double& e : strain) {
-      e = in.real("a strain");
-      if (std::isfinite(e)) continue;
-      throw Error(
-          "Solver::restore: the snapshot's part \"strains\" has a number that is not finite; the solver keeps "
-          "its state");
-    }
-  }
+  const std::size_t count = topology.dissipation.size() * kept_strains(topology).count();
+  const std::vector<double> numbers = numbers_of(part_name, count * std::tuple_size_v<Strain>, snapshot);
+  StrainMemory memory(numbers.empty() ? 0 : count);
+  for (std::size_t k = 0; k < memory.size(); ++k) std::copy_n(&numbers[6 * k], 6, memory[k].begin());
   return memory;
 }
 

@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/error.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "averaged_stiffness.h"
-#include "base/checked_file.h"
 #include "base/union_find.h"
 #include "local_steps.h"
 #include "rotation.h"
+#include "snapshot_numbers.h"
 #include "substep_loop.h"
 
 namespace phymul {
 namespace {
 
 constexpr const char* pushes_part = "pushes";
-
-const Snapshot::Part* find_pushes(const Snapshot& snapshot) {
-  const auto part = std::ranges::find(snapshot.parts, pushes_part, &Snapshot::Part::name);
-  return part == snapshot.parts.end() ? nullptr : &*part;
-}
 
 /// All numbers of vectors, [3 n].
 template <class Numbers, class Vector>
@@ -114,35 +107,27 @@ std::span<const Vec3> LocalForces::changes(std::span<const Vec3> x, std::span<co
   return change;
 }
 
-void LocalForces::reset() {
-  pushes_.assign(steps_.particle.size(), Vec3::Zero());
-  next_pushes_ = pushes_;
-  pushed_ = next_pushed_ = false;
+void LocalForces::reset(const VecList& pushes) {
+  pushed_ = !pushes.empty();
+  next_pushed_ = false;
+  next_pushes_.assign(steps_.particle.size(), Vec3::Zero());
+  pushes_ = pushed_ ? pushes : next_pushes_;
 }
 
 void LocalForces::put(Snapshot& snapshot) const {
   if (std::ranges::all_of(acting(), [](const Vec3& push) { return push == Vec3::Zero(); })) return;
-  ByteWriter out;
-  for (const Vec3& push : pushes_) {
-    for (const double component : push) out.real(component);
-  }
-  snapshot.parts.push_back({pushes_part, {out.bytes().begin(), out.bytes().end()}});
+  put_numbers(pushes_part, {pushes_.front().data(), 3 * pushes_.size()}, snapshot);
 }
 
 bool LocalForces::has(const Snapshot& snapshot) {
-  return find_pushes(snapshot) != nullptr;
+  return has_part(pushes_part, snapshot);
 }
 
-void LocalForces::take(const Snapshot& snapshot) {
-  const Snapshot::Part* part = find_pushes(snapshot);
-  if (part == nullptr) return reset();
-  const std::string bytes(part->bytes.begin(), part->bytes.end());
-  ByteReader in("the snapshot's part \"pushes\"", bytes);
-  VecList pushes = in.vectors(pushes_.size(), "forces on the particles of local steps");
-  in.expect_end("the part");
-  reset();
-  pushes_ = std::move(pushes);
-  pushed_ = true;
+VecList LocalForces::pushes_of(const Snapshot& snapshot) const {
+  const std::vector<double> numbers = numbers_of(pushes_part, 3 * steps_.particle.size(), snapshot);
+  VecList pushes;
+  for (std::size_t k = 0; k < numbers.size(); k += 3) pushes.emplace_back(&numbers[k]);
+  return pushes;
 }
 
 }  // namespace phymul

@@ -91,12 +91,12 @@ class LocalForces {
   void drop() { next_pushed_ = false; }  ///< it does not
   /// [n] N, those of the step before; empty: none.
   std::span<const Vec3> acting() const { return pushed_ ? std::span<const Vec3>(pushes_) : std::span<const Vec3>(); }
-  void reset();  ///< no pushes
-  /// Adds the pushes, if there are any, as a part of the snapshot, and takes them from there. take() throws Error if
-  /// the part is of another body.
+  void reset(const VecList& pushes = {});  ///< those of acting()
+  /// Adds the pushes, if there are any, as a part of the snapshot, and finds them there. pushes_of() throws Error if
+  /// the part is of another body or not finite.
   void put(Snapshot& snapshot) const;
   static bool has(const Snapshot& snapshot);
-  void take(const Snapshot& snapshot);
+  VecList pushes_of(const Snapshot& snapshot) const;
 
  private:
   /// Particles that hang together, and turn as one.

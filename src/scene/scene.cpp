@@ -97,16 +97,6 @@ void require_in_plane(const Load& load) {
 
 }  // namespace
 
-double value_at(std::span<const ValueEvent> events, double date) {
-  const auto next = std::upper_bound(events.begin(), events.end(), date,
-                                     [](double when, const ValueEvent& event) { return when < event.date; });
-  if (next == events.begin()) return 0.0;
-  const ValueEvent& last = *(next - 1);
-  if (next == events.end()) return last.value;
-  const double share = (date - last.date) / (next->date - last.date);
-  return (1.0 - share) * last.value + share * next->value;
-}
-
 Scene::Scene(const Model& model) : model_(&model) {
   validate(model);
   find_removed();
@@ -379,12 +369,14 @@ void Scene::evaluate(double time, LoadFrame& frame) const {
     } else if (loads_[row].type == LoadType::rotation) {
       const Mat3 turn = Eigen::AngleAxisd(value, action.axis).toRotationMatrix() - Mat3::Identity();
       for (std::size_t k = 0; k < action.particles.size(); ++k) {
+        const Index i = action.particles[k];
         // From the rest place, so that no turn leaves it there to the last digit.
-        frame.target[action.particles[k]] = model_->rest[action.particles[k]] + turn * action.unit[k];
+        if (model_->mass[i] > 0.0) frame.target[i] = model_->rest[i] + turn * action.unit[k];
       }
     } else if (loads_[row].type == LoadType::translation) {
       for (std::size_t k = 0; k < action.particles.size(); ++k) {
         const Index i = action.particles[k];
+        if (model_->mass[i] == 0.0) continue;  // removed: it stays at its rest place
         for (int a = 0; a < 3; ++a) {
           if (action.imposed >> a & 1) frame.target[i][a] = model_->rest[i][a] + value * action.unit[k][a];
         }

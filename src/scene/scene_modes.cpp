@@ -6,6 +6,7 @@
 #include <phymul/scene.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -40,6 +41,16 @@ void add_part(std::vector<LoadModes::Part>& parts, Index mode, const Vec3& vecto
 
 }  // namespace
 
+double value_at(std::span<const ValueEvent> events, double date) {
+  const auto next = std::upper_bound(events.begin(), events.end(), date,
+                                     [](double when, const ValueEvent& event) { return when < event.date; });
+  if (next == events.begin()) return 0.0;
+  const ValueEvent& last = *(next - 1);
+  if (next == events.end()) return last.value;
+  const double share = (date - last.date) / (next->date - last.date);
+  return (1.0 - share) * last.value + share * next->value;
+}
+
 LoadModes Scene::modes() const {
   const std::size_t count = model_->rest.size();
   LoadModes modes;
@@ -63,7 +74,7 @@ LoadModes Scene::modes() const {
         add_part(force[i], mode, action.unit[k]);
         continue;
       }
-      if (action.imposed == 0) continue;  // every axis is free
+      if (action.imposed == 0 || model_->mass[i] == 0.0) continue;  // every axis is free, or the particle is removed
       release(target[i], action.imposed);
       if (loads_[row].type == LoadType::rotation) {
         // R r - r = sin a x r + (1 - cos) a x (a x r)

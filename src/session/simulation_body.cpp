@@ -103,6 +103,12 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
     solver().body_changed();  // after which it has forgotten what tools were asked since its last step
   } catch (...) {
     change_body(removed_before, cuts_before);
+    try {
+      solver().body_changed();
+      ask_tools_again(scene.tools(), tools_seen);
+    } catch (...) {
+      // A solver that does not follow has taken over nothing; where memory ran out in one that does, a part.
+    }
     throw;
   }
   ask_tools_again(scene.tools(), tools_seen);

@@ -160,6 +160,7 @@ void BodyEdit::set_shares(std::span<const Index> cells, double share) {
     throw Error("remove_cells: expected some cell of the body to be left, got all of them");
   }
   topology_.edited.reserve(topology_.edited.size() + domains.size());
+  topology_.removed.reserve(topology_.removed.size() + changed.size());
   for (const Index row : changed) {
     model_.cells[row].share = share * whole_share_[row];
     const auto at = std::ranges::lower_bound(topology_.removed, row);
@@ -264,6 +265,7 @@ double BodyEdit::own_stiffness(Index i) const {
 /// Integrals over the cells of a domain that are left: volume_ and pairs_, in order of the other domains.
 void BodyEdit::integrate(Index d) {
   const DomainTexel& domain = topology_.domains[d];
+  for (const Pair& pair : pairs_) place_of_[pair.domain] = none;  // also where memory ran out
   pairs_.clear();
   volume_ = 0.0;
   for (const Index row : cells_of_[domain.particle]) {
@@ -284,8 +286,8 @@ void BodyEdit::integrate(Index d) {
       for (std::size_t b = 0; b < vertices; ++b) {
         Index& place = place_of_[domains[b]];
         if (place == none) {
-          place = static_cast<Index>(pairs_.size());
           pairs_.push_back({.domain = domains[b]});
+          place = static_cast<Index>(pairs_.size()) - 1;
         }
         Pair& pair = pairs_[place];
         for (std::size_t k = 0; k < points_.size(); ++k) {
@@ -298,7 +300,6 @@ void BodyEdit::integrate(Index d) {
       for (const CellPoint& point : points_) volume_ += point.volume * point.value[a];
     }
   }
-  for (const Pair& pair : pairs_) place_of_[pair.domain] = none;
   std::ranges::sort(pairs_, {}, &Pair::domain);
 }
 
@@ -332,8 +333,9 @@ void BodyEdit::write_rows(const std::vector<Link>& rows, std::vector<Link>& tabl
                           Index& count) {
   const auto wanted = static_cast<Index>(rows.size());
   if (room.first == none || wanted > room.count) {
-    room = {static_cast<Index>(table.size()), std::max(wanted, count)};
-    table.resize(table.size() + static_cast<std::size_t>(room.count));
+    const Room wider{static_cast<Index>(table.size()), std::max(wanted, count)};
+    table.resize(table.size() + static_cast<std::size_t>(wider.count));
+    room = wider;
   }
   std::ranges::copy(rows, table.begin() + room.first);
   first = room.first;

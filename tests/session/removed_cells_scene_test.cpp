@@ -214,6 +214,35 @@ TEST(RemovedCells, LeaveLoadsOnWhatIsThere) {
   EXPECT_TRUE(sim.advance(0.01).ok());
 }
 
+/// What is imposed moves what is there; what comes back goes along again.
+TEST_P(RemovedCellsOn, StayAtTheirPlacesWhateverIsImposed) {
+  for (const LoadType type : {LoadType::translation, LoadType::rotation}) {
+    Simulation sim(make_block({0.03, 0.03, 0.03}, 3, 3, 3), options_for(GetParam()));
+    const Model& model = sim.model();
+    const Load load{
+        .type = type, .particles = model.group("x1"), .events = {{0.0, 0.0}, {0.01, 1e-3}}, .direction = {1, 0, 0}};
+    sim.scene().fix("x0").add(load);
+    sim.step(2, 1e-4);
+    const Snapshot whole = sim.snapshot();
+    sim.remove_cells(model.cells_in([](const Vec3& x) { return x.x() > 0.02 && x.y() > 0.02; }));
+    ASSERT_EQ(std::ranges::count(model.mass, 0.0), 4);
+    for (const bool is_back : {false, true}) {
+      if (is_back) sim.restore(whole);
+      sim.step(10, 1e-4);
+      const State state = sim.solver().read();
+      for (const Index i : load.particles) {
+        const double moved = (state.position[i] - model.rest[i]).norm();
+        if (model.mass[i] > 0.0) {
+          EXPECT_GT(moved, 1e-7);
+        } else {
+          EXPECT_EQ(moved, 0.0);
+          EXPECT_EQ(state.velocity[i].norm(), 0.0);
+        }
+      }
+    }
+  }
+}
+
 PHYMUL_ON_EVERY_BACKEND(RemovedCellsOn);
 
 }  // namespace

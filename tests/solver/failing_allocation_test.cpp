@@ -238,5 +238,31 @@ TEST(FailingAllocation, WhileASimulationIsMadeAndStepped) {
   }
 }
 
+/// What is left of a removal that fails is the whole body, in the tables and in the solver.
+TEST(FailingAllocation, WhileCellsAreRemoved) {
+  const Model model = soft_block();
+  for (const char* backend : {"reference", "cpu"}) {
+    SCOPED_TRACE(backend);
+    const auto made = [&] {
+      Simulation sim(model, {.backend = backend});
+      sim.scene().fix("x0").gravity({0, 0, -9.81});
+      sim.solver();
+      return sim;
+    };
+    Simulation whole = made();
+    const double dt = 0.2 * whole.solver().stable_step();
+    whole.step(5, dt);
+    int failures = 0;
+    for (int k = 1;; k += 2, ++failures) {
+      Simulation sim = made();
+      if (!attempt([&] { sim.remove_cells(std::vector<Index>{1, 4}); }, k).has_failed) break;
+      if (!sim.removed_cells().empty()) continue;  // it needed no memory there
+      ASSERT_TRUE(sim.step(5, dt).ok()) << k;
+      ASSERT_LT(test::largest_distance(sim.solver().read().position, whole.solver().read().position), 1e-12) << k;
+    }
+    EXPECT_GT(failures, 50);
+  }
+}
+
 }  // namespace
 }  // namespace phymul

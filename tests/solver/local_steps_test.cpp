@@ -252,6 +252,25 @@ TEST_P(LocalStepsOn, GoesOnFromASnapshotBitForBit) {
   EXPECT_EQ(solver->read().position, other->read().position);
 }
 
+TEST_P(LocalStepsOn, ARestoreThatIsRefusedChangesNothing) {
+  const Model model = with_tumour(6, {0.5 * edge, 0.5 * edge, edge});
+  Scene scene = Scene(model).fix("z0");
+  scene.add_tool(
+      "ball", {.shape = Sphere{.radius = 0.03}, .pose = {.position = {0.5 * edge, 0.5 * edge, edge + 0.03 - 0.002}}});
+  const auto solver = solver_of(GetParam(), model, scene, 32, 100.0);
+  ASSERT_TRUE(solver->step(20, 0.5 * solver->stable_step()).ok());
+  const Snapshot good = solver->snapshot();
+  ASSERT_EQ(good.parts.size(), 1u) << "the ball pushes the tumour, or this shows nothing";
+  Snapshot shorter = good, not_finite = good;
+  shorter.parts.front().bytes.pop_back();
+  std::fill_n(not_finite.parts.front().bytes.begin(), 8, std::uint8_t{0xff});
+  ASSERT_TRUE(solver->step(20, 0.5 * solver->stable_step()).ok());
+  const State before = solver->read();
+  EXPECT_TRUE(refuses([&] { solver->restore(shorter); }, "the snapshot's part \"pushes\" to have"));
+  EXPECT_TRUE(refuses([&] { solver->restore(not_finite); }, "\"pushes\" has a number that is not finite"));
+  EXPECT_EQ(solver->read(), before);
+}
+
 TEST_P(LocalStepsOn, AStepAllocatesNothing) {
   const Model model = with_tumour(5);
   Scene scene = Scene(model).fix("z0").gravity({0, 0, -1.0});

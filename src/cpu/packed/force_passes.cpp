@@ -49,10 +49,6 @@ void ask_for_displacements(const Cluster& cluster, const char* u) {
   }
 }
 
-char* bytes_of(Floats& floats) {
-  return reinterpret_cast<char*>(floats.data());
-}
-
 }  // namespace
 
 ClusteredPasses::ClusteredPasses(const PackedBody& body, const simd::Kernels& kernels, int parts, bool far)
@@ -69,7 +65,7 @@ void ClusteredPasses::run(const char* u, char* force, char* pull, ThreadPool& po
     const DenormalsAreZero guard;
     for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) {
       // Part 0 is the calling thread; the others write no times.
-      add_cluster(c, u, force, pull, bytes_of(near_u_[static_cast<std::size_t>(part)]), part == 0 ? laps : no_laps);
+      add_cluster(c, u, force, pull, bytes(near_u_[static_cast<std::size_t>(part)]), part == 0 ? laps : no_laps);
     }
   });
   laps.end(Work::waiting);
@@ -181,7 +177,7 @@ void AveragedPasses::run(char* force, char* u, char* next_u, const simd::Dissipa
                          const BodySleep* sleep, bool last, ThreadPool& pool, WorkLaps& laps) {
   if (sleep != nullptr && sleep->none()) return;
   const PackedAverages& averages = body_.averages;
-  simd::Averaged job = averages.job(u, reinterpret_cast<char*>(stress_.data()), force);
+  simd::Averaged job = averages.job(u, bytes(stress_), force);
   if (!factor_.empty()) job.factor = factor_.data();
   job.dissipation = dissipation;
   job.sums = dissipation != nullptr ? sums_.data() : nullptr;

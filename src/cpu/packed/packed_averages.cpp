@@ -287,13 +287,14 @@ std::vector<int> PackedAverages::shared_out(int parts) const {
 }
 
 void PackedAverages::edit(const TopologyTextures& topology, std::span<const Index> domains) {
+  // Lengths change before what relies on them: memory may run out.
   if (rooms.empty()) {
-    rooms.resize(static_cast<std::size_t>(slots));
-    for (std::size_t q = 0; q < rooms.size(); ++q) rooms[q].offsets = link_range[2 * q + 1] - link_range[2 * q];
     place_of_domain.assign(topology.domains.size(), -1);
     for (std::int32_t place = 0; place < slots; ++place) {
       if (domain_of_place[place] != none) place_of_domain[domain_of_place[place]] = place;
     }
+    rooms.resize(static_cast<std::size_t>(slots));
+    for (std::size_t q = 0; q < rooms.size(); ++q) rooms[q].offsets = link_range[2 * q + 1] - link_range[2 * q];
   }
   std::vector<Link> all;
   for (const Index d : domains) {
@@ -303,22 +304,23 @@ void PackedAverages::edit(const TopologyTextures& topology, std::span<const Inde
     const auto count = static_cast<std::int32_t>(all.size());
     Room& room = rooms[q];
     if (count > room.offsets) {
-      link_range[2 * q] = static_cast<std::int32_t>(link.size()) - simd::links_ahead;
       link.resize(link.size() + all.size(), 0);
+      link_range[2 * q] = static_cast<std::int32_t>(link.size()) - simd::links_ahead - count;
       room.offsets = count;
     }
     if (count > room.rows) {
-      room.first = static_cast<std::int32_t>(links.size() / 4);
-      room.rows = std::max(count, room.offsets);
-      links.resize(links.size() + 8 * static_cast<std::size_t>(room.rows), 0.0f);
+      const std::int32_t first = static_cast<std::int32_t>(links.size() / 4), rows = std::max(count, room.offsets);
+      links.resize(links.size() + 8 * static_cast<std::size_t>(rows), 0.0f);
+      room.first = first;
+      room.rows = rows;
     }
-    const std::int32_t first = link_range[2 * q];
-    link_range[2 * q + 1] = first + count;
+    const std::int32_t begin = link_range[2 * q];
+    link_range[2 * q + 1] = begin + count;
     stress_row[q] = room.first;
     force_row[q] = room.first + room.rows;
     for (std::int32_t k = 0; k < count; ++k) {
       const Link& own = all[static_cast<std::size_t>(k)];
-      link[static_cast<std::size_t>(first + k)] = 16 * simd::quad_of(place_of_domain[own.domain], lanes);
+      link[static_cast<std::size_t>(begin + k)] = 16 * simd::quad_of(place_of_domain[own.domain], lanes);
       const LinkRow there = row_of(own.there, own.stiffness), back = row_of(-own.back, own.stiffness);
       std::ranges::copy(there, links.begin() + 4 * std::ptrdiff_t{room.first + k});
       std::ranges::copy(back, links.begin() + 4 * std::ptrdiff_t{room.first + room.rows + k});

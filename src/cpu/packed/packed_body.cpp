@@ -32,6 +32,11 @@ constexpr Index averaged_window = 256;
 /// this much each gain most of what they can.
 constexpr double least_cost_a_thread = 10e3;  // ns
 
+void put_mass(double m, std::size_t place, PackedBody& to) {
+  to.mass[place] = narrow(m);
+  to.inverse_mass[place] = m > 0.0 ? narrow(1.0 / m) : 0.0f;
+}
+
 class BodyPacker {
  public:
   BodyPacker(const TopologyTextures& t, Index size, PackedBody& body) : t_(t), size_(size), body_(body) {}
@@ -114,11 +119,7 @@ class BodyPacker {
   void pack_masses(const std::vector<Index>& order) {
     body_.mass.assign(static_cast<std::size_t>(body_.places), 0.0f);
     body_.inverse_mass = body_.mass;
-    for (std::size_t place = 0; place < order.size(); ++place) {
-      body_.mass[place] = narrow(t_.mass[order[place]]);
-      const double m = t_.mass[order[place]];
-      body_.inverse_mass[place] = m > 0.0 ? narrow(1.0 / m) : 0.0f;
-    }
+    for (std::size_t place = 0; place < order.size(); ++place) put_mass(t_.mass[order[place]], place, body_);
   }
 
   /// Who else has forces for the particles of a slice, in the order of the clusters.
@@ -261,20 +262,16 @@ bool PackedBody::edit(const TopologyTextures& topology, std::span<const Index> d
     return false;
   }
   const bool anew = !averages.runs.empty();
-  if (anew) averages = pack_averages(topology, order, places, lanes, AveragedLinks::by_slot);
-  averages.edit(topology, domains);
+  PackedAverages by_slot;
+  if (anew) by_slot = pack_averages(topology, order, places, lanes, AveragedLinks::by_slot);
+  (anew ? by_slot : averages).edit(topology, domains);
+  if (anew) averages = std::move(by_slot);
   for (const Index d : domains) {
     const Index i = topology.domains[d].particle;
-    const auto place = static_cast<std::size_t>(averages.place_of_domain[topology.first_domain[i]]);
-    mass[place] = narrow(topology.mass[i]);
-    inverse_mass[place] = topology.mass[i] > 0.0 ? narrow(1.0 / topology.mass[i]) : 0.0f;
+    put_mass(topology.mass[i], static_cast<std::size_t>(averages.place_of_domain[topology.first_domain[i]]), *this);
   }
   if (topology.walls.empty()) return anew;
-  for (std::size_t place = 0; place < order.size(); ++place) {
-    const double m = topology.mass[order[place]];
-    mass[place] = narrow(m);
-    inverse_mass[place] = m > 0.0 ? narrow(1.0 / m) : 0.0f;
-  }
+  for (std::size_t place = 0; place < order.size(); ++place) put_mass(topology.mass[order[place]], place, *this);
   clusters.clear();
   walls.clear();
   wall_sums.clear();

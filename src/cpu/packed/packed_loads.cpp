@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "body_sleep.h"
+#include "packed_state.h"
 
 namespace phymul::cpu {
 
@@ -68,16 +69,12 @@ void PackedJoints::follow(JointSet& joints, StiffJoints* stiff, const ToolSet& t
   reached_.clear();
   load_.clear();
   if (joints.empty()) return;
-  std::vector<std::size_t> place_of(body.order.size());
-  for (std::size_t place = 0; place < place_of.size(); ++place) place_of[body.order[place]] = place;
-  const auto lanes = static_cast<std::size_t>(body.lanes);
+  const std::vector<std::size_t> place_of = places_of(body);
   for (const JointSet::Point& point : joints.points()) {
     const std::size_t place = place_of[point.particle];
     At& at = at_.emplace_back();
     at.quad = body.quad_of(place);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      at.velocity[axis] = (3 * (place / lanes) + axis) * lanes + place % lanes;
-    }
+    for (int axis = 0; axis < 3; ++axis) at.velocity[static_cast<std::size_t>(axis)] = velocity_at(body, place, axis);
   }
   if (stiff != nullptr) {
     for (const StiffJoints::Reached& reached : stiff->reached()) {

@@ -24,9 +24,7 @@ class PackedLoads {
   void act_at(const Scene& scene, double time, std::uint8_t* changed);
   void impose_at(const Scene& scene, double time, std::uint8_t* changed);  ///< positions, at the new time; likewise
 
-  bool imposes() const { return !target_.empty(); }
   void point(simd::Move& move) const;
-  Vec3 gravity() const { return gravity_; }
 
  private:
   /// Sums of value[mode] * vector over each particle that has any.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "packed_state.h"
 #include "statics/padded_vectors.h"
 
 namespace phymul::cpu {
@@ -35,8 +36,7 @@ PackedLocalSteps::PackedLocalSteps(const LocalSteps& steps, const PackedBody& bo
       fine_f_(fine_mass_.size()),
       fine_change_(fine_mass_.size()),
       fine_nodes_(steps.fine.nodes()) {
-  std::vector<std::size_t> place_of(body.order.size());
-  for (std::size_t place = 0; place < body.order.size(); ++place) place_of[body.order[place]] = place;
+  const std::vector<std::size_t> place_of = places_of(body);
   for (const Index i : steps.particle) at_.push_back({body.quad_of(place_of[i]), place_of[i]});
 }
 

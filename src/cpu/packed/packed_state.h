@@ -7,10 +7,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "packed_body.h"
 
 namespace phymul::cpu {
+
+/// [particles] the place of each in PackedBody::order.
+inline std::vector<std::size_t> places_of(const PackedBody& body) {
+  std::vector<std::size_t> place_of(body.order.size());
+  for (std::size_t place = 0; place < place_of.size(); ++place) place_of[body.order[place]] = place;
+  return place_of;
+}
 
 inline std::size_t velocity_at(const PackedBody& body, std::size_t place, int axis) {
   const auto lanes = static_cast<std::size_t>(body.lanes);

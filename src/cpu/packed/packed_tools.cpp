@@ -8,6 +8,7 @@
 
 #include "base/bounding_box.h"
 #include "base/denormals.h"
+#include "packed_state.h"
 
 namespace phymul::cpu {
 namespace {
@@ -37,12 +38,12 @@ class PackedTools::Step final : public PredictedStep {
   Step(PackedTools& tools, const simd::Move& move, ThreadPool& pool, double farthest, double going)
       : tools_(tools), move_(move), pool_(pool), farthest_(farthest), going_(going) {}
 
-  Vec3 position(Index i) const override { return place_at(move_.u, static_cast<std::size_t>(tools_.place_of_[i])); }
+  Vec3 position(Index i) const override { return place_at(move_.u, tools_.place_of_[i]); }
 
   Vec3 predicted_velocity(Index i) const override {
-    const auto place = static_cast<std::size_t>(tools_.place_of_[i]);
     const float* v = move_.next_v;
-    return {v[tools_.velocity_at(place, 0)], v[tools_.velocity_at(place, 1)], v[tools_.velocity_at(place, 2)]};
+    const auto at = [&](int axis) { return velocity_at(tools_.body_, tools_.place_of_[i], axis); };
+    return {v[at(0)], v[at(1)], v[at(2)]};
   }
 
   void fetch(std::span<const Index> rows, VecList& at, VecList& velocity) const override {
@@ -146,12 +147,9 @@ void PackedTools::follow(const Scene& scene, std::span<const std::uint8_t> fixed
   if (empty()) return;
   const std::size_t count = body_.order.size();
   touched_.prepare(topology_.mass, fixed, topology_.dimension == 2);
-  place_of_.resize(count);
+  place_of_ = places_of(body_);
   rest_.resize(count);
-  for (std::size_t place = 0; place < count; ++place) {
-    place_of_[body_.order[place]] = static_cast<Index>(place);
-    rest_[place] = topology_.rest[body_.order[place]];
-  }
+  for (std::size_t place = 0; place < count; ++place) rest_[place] = topology_.rest[body_.order[place]];
   blocks_.assign((count + block_size - 1) / block_size, {});
   for (std::size_t block = 0; block < blocks_.size(); ++block) blocks_[block] = around(block);
   load_.assign(4 * static_cast<std::size_t>(body_.places), 0.0f);
@@ -173,12 +171,7 @@ PackedTools::Block PackedTools::around(std::size_t block) const {
 }
 
 std::size_t PackedTools::quad_of_particle(Index i) const {
-  return body_.quad_of(static_cast<std::size_t>(place_of_[i]));
-}
-
-std::size_t PackedTools::velocity_at(std::size_t place, int axis) const {
-  const auto lanes = static_cast<std::size_t>(body_.lanes);
-  return (3 * (place / lanes) + axis) * lanes + place % lanes;
+  return body_.quad_of(place_of_[i]);
 }
 
 void PackedTools::ask(simd::Move& move) {

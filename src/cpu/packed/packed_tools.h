@@ -58,7 +58,6 @@ class PackedTools {
     Vec3 low{0, 0, 0}, high{0, 0, 0};  // m
   };
   Block around(std::size_t block) const;
-  std::size_t velocity_at(std::size_t place, int axis) const;
   std::size_t quad_of_particle(Index i) const;
 
   const PackedBody& body_;
@@ -71,7 +70,7 @@ class PackedTools {
   double gone_ = 0.0;            // m, PredictedStep::gone()
   TouchedParticles touched_;
   // Empty without tools.
-  std::vector<Index> place_of_;                                       // [particles]
+  std::vector<std::size_t> place_of_;                                 // [particles]
   VecList rest_;                                                      // [particles] by place, m
   std::vector<Block> blocks_;                                         // of rest_, block_size places each
   Floats load_;                                                       // [places][4] by quad, N

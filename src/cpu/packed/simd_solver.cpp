@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -93,9 +92,10 @@ class SimdSolver final : public SolverBackend {
     if (!known) refuse_parts(snapshot);
     if (sleep_ && slept) sleep_->require_fitting(snapshot.parts.front().bytes);
     const StrainMemory strains = strains_of(snapshot, topology());
+    const VecList pushes = local_ ? local_->forces().pushes_of(snapshot) : VecList();
     take(snapshot.state, snapshot.displacement);
     if (dissipation_) dissipation_->reset(strains);
-    if (local_) local_->forces().take(snapshot);
+    if (local_) local_->forces().reset(pushes);
     if (sleep_ && slept) sleep_->remember(snapshot.parts.front().bytes);
     last_dt_ = snapshot.last_dt;
     steps_at_rest_ = snapshot.steps_at_rest;
@@ -129,8 +129,9 @@ class SimdSolver final : public SolverBackend {
   }
 
   void do_body_changed(std::span<const Index> domains) override {
-    if (body_->edit(topology(), domains)) averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
-    if (clustered_) {
+    if (body_->edit(topology(), domains)) averaged_.reset();
+    if (body_->averaged() && !averaged_) averaged_.emplace(topology(), *body_, kernels_, pool_.parts());
+    if (!topology().walls.empty()) {
       force_.assign(4 * static_cast<std::size_t>(body_->force_rows), 0.0f);
       clustered_.emplace(*body_, kernels_, pool_.parts(), far_);
     }
@@ -159,7 +160,6 @@ class SimdSolver final : public SolverBackend {
   bool do_takes_tools() const override { return true; }
   const char* do_cannot() const override { return nullptr; }
   const ToolReport& do_tool_report(std::size_t row) const override { return tools_.set().report(scene().tools()[row]); }
-
   const ThreadState& do_thread_state(std::size_t row) const override {
     return tools_.set().thread(scene().threads()[row]);
   }
