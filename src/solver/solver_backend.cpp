@@ -204,21 +204,6 @@ void SolverBackend::bring_back_reports(const Snapshot& snapshot) {
   joints_before_ = std::move(joints);
 }
 
-/// Eigenvalues of sums are at most the sums of the largest (Weyl).
-double SolverBackend::step_limit(const Damping& damping) const {
-  const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
-  // Local steps hide a share of the stiffness, and as much of what dissipates in proportion to it.
-  const double factor =
-      local_steps_ ? local_steps_->rate(scene_->stiffness_factors()) / own_spectrum_.largest : stiffness_factor();
-  const StepBound bound{factor * stiffness_ + joints.left_stiffness, factor * viscosity_ + joints.left_damping};
-  double step = largest_step(bound, damping.factor);
-  if (damping.rate == 0.0 || !std::isfinite(step)) return step;
-  // A longer step is damped more, and what is damped more takes only a shorter one. Each turn comes nearer to the step
-  // where both agree, by seven times at least.
-  for (int turn = 0; turn < 20; ++turn) step = largest_step(bound, damping.factor_at(step));
-  return step;
-}
-
 int SolverBackend::substeps() const {
   return local_steps_ ? std::max(1, static_cast<int>(local_steps_->substeps.size())) : 1;
 }
