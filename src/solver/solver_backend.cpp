@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "elastic/dissipation.h"
 #include "elastic/local_steps.h"
 #include "elastic/material_spectra.h"
 #include "elastic/scaled_tables.h"
@@ -160,6 +159,8 @@ void SolverBackend::reset(const State& given) {
   joints_->reset(state);
   bring_back_reports({});
   growth_ = growth_of_state_ = speed_ = 0.0;
+  loose_.reset();
+  all_held_.reset();
   last_ = {};
   first_beyond_ = -1;
 }
@@ -282,6 +283,8 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   bring_back_reports(snapshot);
   copies_.clear();
   growth_ = snapshot.growth, speed_ = snapshot.max_speed;
+  loose_.reset();
+  all_held_.reset();
   first_beyond_ = -1;
   last_ = {.dt = snapshot.last_dt, .report = {.max_speed = speed_, .growth = growth_}};
   last_.report.at_rest = snapshot.steps_at_rest >= options_.rest_steps;

@@ -164,7 +164,7 @@ RestResult SolverBackend::run_to_rest(int max_steps, double dt, const Damping& d
     const State state = read();
     result.collapsed = first_collapsed(*topology_, state.position);
     result.folded = first_folded_cell(model(), state.position);
-    if (!loose_) loose_ = first_loose(*scene_);
+    if (!loose_) loose_ = first_loose(*scene_, state.joints);
     if (!result.converged()) result.loose = *loose_;
   }
   if (result.folded >= 0) result.folded_at = cell_centre(model().cells[result.folded], model().rest);
@@ -268,6 +268,10 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   }
   report.force_clamped = motion.force_clamped;
   report.springs_broken = joints_->broken() - broken_before;
+  if (report.springs_broken > 0) {
+    loose_.reset();
+    all_held_.reset();
+  }
   report.tissue_gave_way = tissue_gave_way() - gave_way_before;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
   note_strain(motion, report);
@@ -308,7 +312,11 @@ void SolverBackend::note_strain(const Motion& motion, StepReport& report) {
   report.first_beyond = report.beyond_law > 0 ? first_beyond_ : -1;
   report.beyond_since = report.first_beyond < 0 ? 0.0 : beyond_since_;
   if (motion.strain.beyond_law == 0 || motion.max_displacement <= farthest_sizes * body_size(model())) return;
-  if (!all_held_) all_held_ = loose_parts(model(), *scene_, held_particles(model(), *scene_)).empty();
+  if (!all_held_) {
+    State of_joints;
+    joints_->read(of_joints);
+    all_held_ = loose_parts(*scene_, held_particles(*scene_, of_joints.joints), of_joints.joints).empty();
+  }
   if (!*all_held_) return;
   double imposed = 0.0;
   for (std::size_t i = 0; i < frame_.target.size(); ++i) {
