@@ -165,7 +165,7 @@ TEST_P(LocalStepsOn, ADampedStepHasALowerLimit) {
   EXPECT_GT(by_rate->stable_step(), solver_of(GetParam(), model, scene, 1, 1e4)->stable_step() * (1.0 - 1e-12));
 }
 
-std::vector<Index> of_tumour(const Model& model) {
+std::vector<Index> inside_tumour(const Model& model) {
   return model.particles_in([](const Vec3& place) { return (place - middle).norm() < 0.15 * edge; });
 }
 
@@ -174,7 +174,7 @@ TEST_P(LocalStepsOn, JointsAtAStiffPartLowerTheLimit) {
   for (const double stiffness : {0.0, 1e4}) {
     Scene scene(model);
     Joint joint{.stiffness = stiffness, .damping = stiffness > 0.0 ? 0.0 : 5.0};
-    for (const Index i : of_tumour(model)) joint.springs.push_back({at_particle(i), at_world(model.rest[i]), 0.0});
+    for (const Index i : inside_tumour(model)) joint.springs.push_back({at_particle(i), at_world(model.rest[i]), 0.0});
     scene.add_joint(joint);
     const auto solver = solver_of(GetParam(), model, scene, 32);
     ASSERT_GT(solver->substeps(), 2);
@@ -184,7 +184,7 @@ TEST_P(LocalStepsOn, JointsAtAStiffPartLowerTheLimit) {
 
 TEST_P(LocalStepsOn, WhatHoldsAStiffPartHoldsItWithinAStep) {
   const Model model = with_tumour(5);
-  const std::vector<Index> held = of_tumour(model);
+  const std::vector<Index> held = inside_tumour(model);
   ASSERT_GE(held.size(), 2u);
   Load along_z{.type = LoadType::translation, .particles = {held[0], held[1]}};
   along_z.axes = {Axis::free, Axis::free, Axis::held};
