@@ -178,16 +178,17 @@ struct Model {
 /// share Model::most_mass_moved of all mass; total mass, centre of mass and moments of inertia stay (mass scaling:
 /// docs/theory/physics.md). Model::notes has the share and the estimated gain.
 /// A material with a thickness is given to the triangles of a 3-D model in place of its volume cells (Law::walls): the
-/// volume of a triangle is its area times the thickness.
+/// volume of a triangle is its area times the thickness. A quad becomes two triangles, along its shorter diagonal; the
+/// second is a new row at the end of Model::cells.
 /// In a body of points, which has no such cell, all particles get the material. The volume of a particle is that of its
 /// Voronoi cell among its neighbours; Model::notes has the sum. If the body has no neighbours it gets
 /// nearest_neighbours(rest, 20). Throws Error, and changes nothing, if the model is not valid, has a volume cell
 /// without positive volume or a point in one plane with its neighbours, or if a constant is out of its range.
 void set_material(Model& model, const Material& material);
 
-/// The same for the cells of the group: the volume cells (2-D: triangles, quads) that a component lists, as for regions
-/// of a labelled image and physical groups of Gmsh, or, if it lists none, the cells whose particles are all in it.
-/// Masses are then computed from all cells with a material. Throws Error also for an unknown group or one without them.
+/// The same for the cells of the group: the volume cells (2-D and walls: triangles, quads) that a component lists, as
+/// for regions of a labelled image and physical groups of Gmsh, or, if it lists none, the cells whose particles are all
+/// in it. Masses are then computed from all cells with a material. Throws Error also for an unknown group or one without them.
 void set_material(Model& model, const Material& material, std::string_view group_name);
 
 /// The same for the cells whose centre (mean of their vertices) `contains` accepts. Their volume is close to that of

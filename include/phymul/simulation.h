@@ -35,7 +35,8 @@ struct SimulationOptions {
   std::string backend = "auto";            ///< a name that make_solver() accepts
   Damping damping{};                       ///< replaces solver.damping, unless it is left out
   /// Largest step of advance() and run_to_rest(), as a multiple of Solver::stable_step(), > 0. Empty: it follows the
-  /// deformation, between 0.25 and 0.9, in calls of many steps at most 0.5 (Solver::suggested_step()).
+  /// deformation, between 0.25 (stiffening: less) and 0.9, in calls of many steps at most 0.5
+  /// (Solver::suggested_step()).
   std::optional<double> step{};
   std::shared_ptr<TaskRunner> runner{};  ///< replaces those of topology and solver, unless it is left out
   TopologyOptions topology{};

@@ -88,11 +88,11 @@ class Solver {
   /// (elasticity.h); joints: docs/guide/joints.md.
   virtual double stable_step() const = 0;
   /// A step for motion that goes on for `seconds`, s: 0.9 times the stable step of the present state, and between 0.25
-  /// and 0.9 of stable_step(). By a bound on how much deformation has raised the highest frequency
-  /// (StepReport::growth), and on how much it may while the fastest particle, or a tool on its way to its target pose,
-  /// moves on for `seconds`. At most 0.5 if these are more than 16 steps; 0.5 where nothing is known: with substeps, on
-  /// the backends gl and gl-compute, for bodies without a material. After reset() it reads the state. Depends on
-  /// nothing that a Snapshot lacks, but for the scene.
+  /// (less for Material::stiffening) and 0.9 of stable_step(). By a bound on how much deformation has raised the
+  /// highest frequency (StepReport::growth), and on how much it may while the fastest particle, or a tool on its way to
+  /// its target pose, moves on for `seconds`. At most 0.5 if these are more than 16 steps; 0.5 where nothing is known:
+  /// with substeps, on the backends gl and gl-compute, for bodies without a material. After reset() it reads the state.
+  /// Depends on nothing that a Snapshot lacks, but for the scene.
   virtual double suggested_step(double seconds) const = 0;
   /// Substeps per step of the materials that need a shorter step (SolverOptions::max_substeps). 1: no material does.
   virtual int substeps() const = 0;

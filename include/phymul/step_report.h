@@ -82,8 +82,9 @@ struct RestResult {
   /// call first_folded_cell() (monitor.h) and first_collapsed() (elasticity.h).
   Index folded = -1;
   Vec3 folded_at{0, 0, 0};  ///< m, mean of that cell's vertices at rest
-  /// Only if step_limit: a particle of a part that loads push and that nothing holds (no imposed position, joint, tool
-  /// or contact), else -1. Such a part moves away unless its loads balance.
+  /// Only if step_limit: a particle of a part that loads push and that nothing holds (no imposed position or joint that
+  /// is not broken, and the scene has no tools, threads or contacts), else -1. Such a part moves away unless its loads
+  /// balance.
   Index loose = -1;
 
   bool converged() const { return status == RestStatus::converged; }

@@ -284,9 +284,7 @@ class ReferenceSolver final : public SolverBackend {
       const Index i = particle[r];
       local_x_[r] = state_.position[i];
       local_a_[r] = acceleration(i);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (fixed(i, axis)) local_a_[r][axis] = 0.0;
-      }
+      local_->imposed()[r] = tools_.held_by_any(i) ? 7 : frame().fixed.empty() ? 0 : frame().fixed[i];
     }
     for (const JointSet::Point& point : joints().points()) force_[point.particle] -= point.force;
     const std::span<const Vec3> change =

@@ -28,9 +28,10 @@ LocalForces::Loop in_double_precision(const LocalSteps& steps) {
   const auto loop = std::make_shared<Loop>(
       steps.substeps, inverse_mass,
       [K = AveragedStiffness(t)](const Eigen::VectorXd& d, Eigen::VectorXd& result) { K.apply_alone(d, result); });
-  return [loop, f = inverse_mass](std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum) mutable {
+  return [loop, f = inverse_mass](std::span<const Vec3> still, std::span<const LocalForces::Held> held, double dt,
+                                  double factor, std::span<Vec3> sum) mutable {
     f = numbers_of<const Eigen::VectorXd>(still);
-    numbers_of<Eigen::VectorXd>(sum) = loop->run(f, dt, factor);
+    numbers_of<Eigen::VectorXd>(sum) = loop->run(f, dt, factor, held);
   };
 }
 
@@ -39,12 +40,14 @@ LocalForces::Loop in_double_precision(const LocalSteps& steps) {
 LocalForces::LocalForces(const LocalSteps& steps, Loop loop)
     : steps_(steps),
       loop_(std::move(loop)),
+      imposed_(steps.particle.size(), 0),
       still_(steps.particle.size()),
       change_(still_.size()),
       nodes_(steps.fine.nodes()) {
   reset();
   const TopologyTextures& t = steps.stiff.tables;
   if (t.domains.empty()) return;
+  held_.reserve(t.rest.size());
   if (!loop_) loop_ = in_double_precision(steps);
   UnionFind joined(t.rest.size());
   for (Index d = 0; d < static_cast<Index>(t.domains.size()); ++d) {
@@ -86,18 +89,36 @@ void LocalForces::turn_pieces(std::span<const Vec3> x) {
   }
 }
 
+/// Needs the turns of the pieces.
+void LocalForces::find_held() {
+  held_.clear();
+  for (std::size_t row = 0; row < piece_of_.size(); ++row) {
+    if (imposed_[row] == 0) continue;
+    const Mat3& turn = pieces_[piece_of_[row]].turn;
+    Mat3 free = turn;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (imposed_[row] >> axis & 1) free.row(axis).setZero();
+    }
+    held_.push_back({row, turn.transpose() * free});
+  }
+}
+
 std::span<const Vec3> LocalForces::changes(std::span<const Vec3> x, std::span<const Vec3> acceleration, double dt,
                                            double factor) {
+  const std::size_t stiff = piece_of_.size(), fine = x.size() - stiff;
   for (std::size_t i = 0; i < x.size(); ++i) {
     still_[i] = acceleration[i];
     if (pushed_) still_[i] += pushes_[i] / steps_.mass[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      if (imposed_[i] >> axis & 1) still_[i][axis] = 0.0;
+    }
   }
-  const std::size_t stiff = piece_of_.size(), fine = x.size() - stiff;
   const std::span<Vec3> change(change_.data(), x.size());
   if (stiff > 0) {
     turn_pieces(x);
+    find_held();
     for (std::size_t i = 0; i < stiff; ++i) still_[i] = pieces_[piece_of_[i]].turn.transpose() * still_[i];
-    loop_(std::span(still_).first(stiff), dt, factor, change.first(stiff));
+    loop_(std::span(still_).first(stiff), held_, dt, factor, change.first(stiff));
     for (std::size_t i = 0; i < stiff; ++i) change[i] = pieces_[piece_of_[i]].turn * change[i];
   }
   if (fine > 0) {

@@ -10,19 +10,15 @@
 namespace phymul {
 namespace {
 
-/// T_p at the start of the polynomial: it is bounded by the inverse. For linear bodies 1.1 suffices; with less than 2
-/// an undamped body bent by 2 % of its length gained energy (docs/decisions/2026-11-25-local-time-steps.md).
-constexpr double damped = 2.5;
-
 /// Each finds a half to a third of what is left of the excess; what is left of the last is below ritz_accuracy.
 constexpr int margin_turns = 12;
 
-/// Chebyshev polynomials at delta = cosh(theta), T_p(delta) = damped.
+/// Chebyshev polynomials at delta = cosh(theta), T_p(delta) = polynomial_start.
 struct Chebyshev {
-  explicit Chebyshev(int degree) : p(degree), theta(std::acosh(damped) / degree) {}
+  explicit Chebyshev(int degree) : p(degree), theta(std::acosh(polynomial_start) / degree) {}
   double at(int k) const { return std::cosh(k * theta); }
   /// T_p / (2 T_p') at delta: the step's polynomial is then 1 - x / 2 to first order.
-  double scale() const { return damped * std::sinh(theta) / (2.0 * p * std::sinh(p * theta)); }
+  double scale() const { return polynomial_start * std::sinh(theta) / (2.0 * p * std::sinh(p * theta)); }
   const int p;
   const double theta;
 };

@@ -10,10 +10,11 @@
 // The shares sum to 1 and K w sums to 0 over the particles, so linear momentum is conserved; where f is 0 all w are, so
 // rest shapes are the same. w_p is a Chebyshev polynomial of dt^2 K / m, damped so far that a = Q f / m with Q between
 // 0 and 1: the scheme is Verlet's with a larger mass for the vibrations of the stiff materials, so that small ones have
-// no resonances. Sources: Diaz and Grote, Energy conserving explicit local time stepping for second-order wave
-// equations, SIAM J. Sci. Comput. 31, 2009; Grote, Michel and Sauter, Stabilized leapfrog based local time-stepping
-// method for the wave equation, Math. Comp. 90, 2021. There K is the exact stiffness; here it is that at rest, because
-// substeps with the forces themselves are no gradient, and undamped bodies gained energy.
+// no resonances. Imposed motions are imposed in the substeps too. Sources: Diaz and Grote, Energy conserving explicit
+// local time stepping for second-order wave equations, SIAM J. Sci. Comput. 31, 2009; Grote, Michel and Sauter,
+// Stabilized leapfrog based local time-stepping method for the wave equation, Math. Comp. 90, 2021. There K is the
+// exact stiffness; here it is that at rest, because substeps with the forces themselves are no gradient, and undamped
+// bodies gained energy.
 #pragma once
 
 #include <phymul/elasticity.h>
@@ -39,6 +40,13 @@ struct Substep {
 std::vector<Substep> substeps_of(int count);
 /// Largest dt^2 lambda that `count` substeps take, lambda the largest eigenvalue of K / m; 4 for one.
 double substep_limit(int count);
+
+/// T_p at the start of the polynomial: it is bounded by the inverse. For linear bodies 1.1 suffices; with less than 2
+/// an undamped body bent by 2 % of its length gained energy (docs/decisions/2026-11-25-local-time-steps.md).
+inline constexpr double polynomial_start = 2.5;
+/// Of dt^2 Q K / m: stiff vibrations reach it in short steps too. The whole scheme's is at most this and, to be 4 at
+/// the limit, (1 - most_of_substeps / 4) dt^2 LocalSteps::rate: measured on 136 random bodies.
+inline constexpr double most_of_substeps = 2.0 * (1.0 + 1.0 / polynomial_start);
 
 struct LocalSteps {
   PartOfBody stiff;               ///< without particles if no material has substeps
@@ -66,14 +74,23 @@ std::unique_ptr<const LocalSteps> choose_local_steps(const TopologyTextures& top
 /// What local steps change of the forces of a step. Rows are those of LocalSteps::particle.
 class LocalForces {
  public:
+  /// A particle of LocalSteps::stiff whose motion is imposed; of its accelerations `free` a is left.
+  struct Held {
+    std::size_t row;
+    Mat3 free;
+  };
   /// The substeps of LocalSteps::stiff in the coordinates of rest: to the sum of -share_k factor K w_k, [n] N, from f /
   /// m, [n] m/s^2.
-  using Loop = std::function<void(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum)>;
+  using Loop = std::function<void(std::span<const Vec3> still, std::span<const Held> held, double dt, double factor,
+                                  std::span<Vec3> sum)>;
 
   /// Keeps a reference. Without `loop` it is run in double precision.
   explicit LocalForces(const LocalSteps& steps, Loop loop = {});
 
-  /// `x` [n] m; `acceleration` [n] m/s^2: by all forces but those of tools and contacts, 0 for imposed coordinates;
+  /// [n] as LoadFrame::fixed, to be set before changes(); 7 for what tools hold, too. What is imposed is so in the
+  /// substeps: else the forces on what is left are no longer the slope of an energy, and grow.
+  std::span<std::int32_t> imposed() { return imposed_; }
+  /// `x` [n] m; `acceleration` [n] m/s^2: by all forces but those of tools and contacts;
   /// `dt`, s; `factor`: LocalSteps::factor. Returns [n] N, to be added to the elastic forces; valid until the next
   /// call. Of the particles of LocalSteps::stiff alone if n is their number.
   std::span<const Vec3> changes(std::span<const Vec3> x, std::span<const Vec3> acceleration, double dt, double factor);
@@ -107,11 +124,14 @@ class LocalForces {
     Vec3 now{0, 0, 0};         // m, centre of mass
   };
   void turn_pieces(std::span<const Vec3> x);
+  void find_held();
 
   const LocalSteps& steps_;
   Loop loop_;
   std::vector<Piece> pieces_;
   std::vector<std::size_t> piece_of_;  // [n]
+  std::vector<std::int32_t> imposed_;  // [n]
+  std::vector<Held> held_;
   VecList still_, change_, nodes_, pushes_, next_pushes_;
   bool pushed_ = false, next_pushed_ = false;
 };

@@ -157,13 +157,16 @@ MaterialFit fit_material(std::span<const TestPoint> points, const Material& star
   require_in_range(unit);
   MaterialFit best{.largest_error = std::numeric_limits<double>::infinity()};
   double least = std::numeric_limits<double>::infinity();
-  std::string fault;
-  for (const double exponent : {3.0, 30.0}) {
+  std::string fault = "the stresses are beyond the range of numbers";
+  // From each start the method ends in the nearest minimum, which may be a poor one.
+  for (const auto& [root, exponent] : {std::pair{0.5, 3.0}, {0.5, 10.0}, {0.5, 30.0}, {0.9, 6.0}, {0.9, 15.0}}) {
+    if (!options.exponential && exponent != 3.0) continue;  // the same start again
     for (const double second : {0.0, 8.0}) {
+      if (!options.second && !options.second_fades && second != 0.0) continue;
       Eigen::VectorXd x(residuals.inputs());
       Eigen::Index k = 1;
       if (options.exponential) {
-        x[k++] = 0.5;
+        x[k++] = root;
         x[k++] = std::sqrt(exponent);
       }
       if (options.second) x[k++] = second;

@@ -23,12 +23,13 @@ class SubstepLoop {
   /// Keeps the span. `inverse_mass`: of each number.
   SubstepLoop(std::span<const Substep> substeps, Numbers inverse_mass, Stiffness stiffness)
       : substeps_(substeps), inverse_mass_(std::move(inverse_mass)), stiffness_(std::move(stiffness)) {
-    for (Numbers* v : {&w_, &before_, &next_, &pull_, &sum_}) v->setZero(inverse_mass_.size());
+    for (Numbers* v : {&w_, &before_, &next_, &pull_, &sum_, &a_}) v->setZero(inverse_mass_.size());
   }
 
   /// The sum of -share_k factor K w_k; `still`: f / m at w = 0. Valid until the next call. What the recursion carries
   /// is w / dt^2: of the size of `still` in the units of any body, as single precision needs it.
-  const Numbers& run(const Numbers& still, double dt, double factor) {
+  const Numbers& run(const Numbers& still, double dt, double factor, std::span<const LocalForces::Held> held = {},
+                     Eigen::Index numbers = 3) {
     for (Numbers* v : {&w_, &before_, &pull_, &sum_}) v->setZero();
     for (std::size_t k = 0; k < substeps_.size(); ++k) {
       const auto keep = static_cast<Scalar>(substeps_[k].keep), kick = static_cast<Scalar>(substeps_[k].kick);
@@ -37,7 +38,12 @@ class SubstepLoop {
         pull_ *= static_cast<Scalar>(factor * dt * dt);
         sum_ -= static_cast<Scalar>(substeps_[k].share) * pull_;
       }
-      next_ = w_ + keep * (w_ - before_) + kick * (still - inverse_mass_.cwiseProduct(pull_));
+      a_ = still - inverse_mass_.cwiseProduct(pull_);
+      for (const auto& [row, free] : held) {
+        auto own = a_.template segment<3>(numbers * static_cast<Eigen::Index>(row));
+        own = (free.template cast<Scalar>() * own).eval();
+      }
+      next_ = w_ + keep * (w_ - before_) + kick * a_;
       before_.swap(w_);
       w_.swap(next_);
     }
@@ -48,7 +54,7 @@ class SubstepLoop {
   const std::span<const Substep> substeps_;
   const Numbers inverse_mass_;
   const Stiffness stiffness_;
-  Numbers w_, before_, next_, pull_, sum_;
+  Numbers w_, before_, next_, pull_, sum_, a_;
 };
 
 }  // namespace phymul

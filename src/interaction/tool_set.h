@@ -52,6 +52,7 @@ class ToolSet {
   const MovedTool* find(std::uint64_t id) const;  ///< null where follow() has not seen it
   // Of a row of Scene::tools().
   const MovedTool& moved(std::size_t row) const { return tools_[row].moved; }
+  bool held_by_any(Index particle) const;
   bool is_let_go(std::size_t row) const { return tools_[row].is_let_go(); }  ///< a needle, in the next step
   // Goes on with tools that were moved elsewhere, by a solver that was reset there, or not yet.
   void set_moved(std::size_t row, const MovedTool& moved) { tools_[row].moved = moved; }
@@ -87,7 +88,6 @@ class ToolSet {
   void hold(Moving& tool, TouchedParticles& touched);
   void act_by_threads(TouchedParticles& touched);
   void press(Moving& tool, TouchedParticles& touched);
-  bool held_by_any(Index particle) const;
 
   bool at_once_ = false;  // of the last begin_call()
   std::vector<Moving> tools_;

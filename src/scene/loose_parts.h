@@ -3,18 +3,24 @@
 
 #include <phymul/bodies.h>
 #include <phymul/scene.h>
+#include <phymul/state.h>
 
+#include <span>
 #include <vector>
 
 namespace phymul {
 
-/// [N] whether imposed positions or joints to the world hold a particle.
-std::vector<char> held_particles(const Model& model, const Scene& scene);
+/// Whether tools, threads or contacts may hold any part.
+bool may_hold_any(const Scene& scene);
+
+/// [N] whether imposed positions or joints to the world hold a particle. `joints`: with the springs that are broken.
+std::vector<char> held_particles(const Scene& scene, std::span<const JointState> joints = {});
 
 /// Parts that nothing holds, not by way of other parts to which joints tie them either.
-std::vector<ConnectedBody> loose_parts(const Model& model, const Scene& scene, const std::vector<char>& is_held);
+std::vector<ConnectedBody> loose_parts(const Scene& scene, const std::vector<char>& is_held,
+                                       std::span<const JointState> joints = {});
 
-/// A particle of the first of them that loads push; -1: none. Tools and contacts may hold any part: -1 with them.
-Index first_loose(const Scene& scene);
+/// A particle of the first of them that loads push; -1: none, or where something may hold any.
+Index first_loose(const Scene& scene, std::span<const JointState> joints = {});
 
 }  // namespace phymul

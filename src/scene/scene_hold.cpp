@@ -88,7 +88,7 @@ void spare_light_particles(Joint& joint, const std::vector<double>& mass) {
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < mass.size(); ++i) {
     sum += stiffness[i];
-    squares += stiffness[i] * stiffness[i] / mass[i];
+    if (stiffness[i] > 0.0) squares += stiffness[i] * stiffness[i] / mass[i];  // spare particles have no mass
   }
   const double most = most_for_mass * squares / sum;  // 1/s^2
   for (JointSpring& spring : joint.springs) {

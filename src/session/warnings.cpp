@@ -64,17 +64,16 @@ std::string place_of(const ConnectedBody& part, const Model& model) {
   return text + " at " + place_text(x);
 }
 
-/// Tools and contacts may hold what nothing imposes: then there is nothing to say.
 void look_for_what_is_loose(const Model& model, const Scene& scene, std::vector<std::string>& found) {
-  if (scene.contacts() || !scene.tools().empty()) return;
-  const std::vector<char> is_held = held_particles(model, scene);
+  if (may_hold_any(scene)) return;
+  const std::vector<char> is_held = held_particles(scene);
   const bool any_held = std::ranges::find(is_held, 1) != is_held.end();
   if (!any_held) {
     if (first_loose(scene) >= 0)
       found.emplace_back("nothing holds the body: it moves away; Scene::fix() holds a group of particles");
     return;
   }
-  const std::vector<ConnectedBody> loose = loose_parts(model, scene, is_held);
+  const std::vector<ConnectedBody> loose = loose_parts(scene, is_held);
   if (loose.empty()) return;
   found.emplace_back(place_of(loose.front(), model) +
                      (loose.size() == 1 ? " is" : " and " + std::to_string(loose.size() - 1) + " more are") +

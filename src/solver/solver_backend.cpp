@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "elastic/dissipation.h"
 #include "elastic/local_steps.h"
 #include "elastic/material_spectra.h"
 #include "elastic/scaled_tables.h"
@@ -160,6 +159,8 @@ void SolverBackend::reset(const State& given) {
   joints_->reset(state);
   bring_back_reports({});
   growth_ = growth_of_state_ = speed_ = 0.0;
+  loose_.reset();
+  all_held_.reset();
   last_ = {};
   first_beyond_ = -1;
 }
@@ -202,21 +203,6 @@ void SolverBackend::bring_back_reports(const Snapshot& snapshot) {
   }
   tools_before_ = std::move(tools);
   joints_before_ = std::move(joints);
-}
-
-/// Eigenvalues of sums are at most the sums of the largest (Weyl).
-double SolverBackend::step_limit(const Damping& damping) const {
-  const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
-  // Local steps hide a share of the stiffness, and as much of what dissipates in proportion to it.
-  const double factor =
-      local_steps_ ? local_steps_->rate(scene_->stiffness_factors()) / own_spectrum_.largest : stiffness_factor();
-  const StepBound bound{factor * stiffness_ + joints.left_stiffness, factor * viscosity_ + joints.left_damping};
-  double step = largest_step(bound, damping.factor);
-  if (damping.rate == 0.0 || !std::isfinite(step)) return step;
-  // A longer step is damped more, and what is damped more takes only a shorter one. Each turn comes nearer to the step
-  // where both agree, by seven times at least.
-  for (int turn = 0; turn < 20; ++turn) step = largest_step(bound, damping.factor_at(step));
-  return step;
 }
 
 int SolverBackend::substeps() const {
@@ -297,6 +283,8 @@ void SolverBackend::restore(const Snapshot& snapshot) {
   bring_back_reports(snapshot);
   copies_.clear();
   growth_ = snapshot.growth, speed_ = snapshot.max_speed;
+  loose_.reset();
+  all_held_.reset();
   first_beyond_ = -1;
   last_ = {.dt = snapshot.last_dt, .report = {.max_speed = speed_, .growth = growth_}};
   last_.report.at_rest = snapshot.steps_at_rest >= options_.rest_steps;

@@ -26,6 +26,11 @@ VecList SolverBackend::substep_forces(const State& state, double dt, VecList fur
       a.push_back(acceleration[i]);
     }
     LocalForces forces(*local_steps_);
+    LoadFrame now;
+    scene_->prepare(now);
+    for (std::size_t r = 0; r < x.size() && !now.fixed.empty(); ++r) {
+      forces.imposed()[r] = now.fixed[local_steps_->particle[r]];
+    }
     const std::span<const Vec3> change = forces.changes(x, a, dt, local_steps_->factor(scene_->stiffness_factors()));
     for (std::size_t r = 0; r < change.size(); ++r) {
       const Index i = local_steps_->particle[r];

@@ -10,7 +10,9 @@
 #include <cmath>
 #include <limits>
 
+#include "elastic/dissipation.h"
 #include "elastic/domain_forces.h"
+#include "elastic/local_steps.h"
 #include "elastic/material_spectra.h"
 #include "interaction/joint_set.h"
 #include "model/cell_geometry.h"
@@ -68,6 +70,21 @@ const char* likely_cause(const TopologyTextures& topology, const Spectrum& spect
          "or raise damping";
 }
 
+/// s. The stiff part's dt^2 lambda, which does not fall with dt, leaves 2 (1 + d) - most_of_substeps to all else.
+double longest_with_substeps(const StepBound& all_else, const Damping& damping) {
+  const auto longest = [&](double d) {
+    const double left = d - 0.5 * most_of_substeps;  // 2 (1 + left) is what is left
+    return left > -1.0 ? largest_step(all_else, left) : 0.0;
+  };
+  double fits = 0.0, most = longest(damping.factor);
+  if (damping.rate == 0.0) return most;
+  for (int turn = 0; turn < 50; ++turn) {
+    const double middle = 0.5 * (fits + most);
+    (middle <= longest(damping.factor_at(middle)) ? fits : most) = middle;
+  }
+  return fits;
+}
+
 class AtReturn {
  public:
   explicit AtReturn(std::atomic_flag& flag) : flag_(flag) {}
@@ -83,6 +100,26 @@ class AtReturn {
 
 double Damping::factor_at(double dt) const {
   return factor * std::exp(-rate * dt);
+}
+
+/// Eigenvalues of sums are at most the sums of the largest (Weyl).
+double SolverBackend::step_limit(const Damping& damping) const {
+  const JointBounds& joints = joints_->bounds(*scene_, topology_->mass);
+  const auto longest = [&](double factor) {
+    const StepBound bound{factor * stiffness_ + joints.left_stiffness, factor * viscosity_ + joints.left_damping};
+    double step = largest_step(bound, damping.factor);
+    if (damping.rate == 0.0 || !std::isfinite(step)) return step;
+    // A longer step is damped more, and what is damped more takes only a shorter one. Each turn comes nearer to the
+    // step where both agree, by seven times at least.
+    for (int turn = 0; turn < 20; ++turn) step = largest_step(bound, damping.factor_at(step));
+    return step;
+  };
+  if (!local_steps_) return longest(stiffness_factor());
+  // Local steps hide a share of the stiffness, and as much of what dissipates in proportion to it.
+  const double rate = local_steps_->rate(scene_->stiffness_factors());
+  if (substeps() == 1) return longest(rate / own_spectrum_.largest);
+  const StepBound bound{(1.0 - most_of_substeps / 4.0) * rate + joints.left_stiffness, joints.left_damping};
+  return std::max(longest(stiffness_factor()), longest_with_substeps(bound, damping));
 }
 
 double SolverBackend::suggested_step(double seconds) const {
@@ -127,7 +164,7 @@ RestResult SolverBackend::run_to_rest(int max_steps, double dt, const Damping& d
     const State state = read();
     result.collapsed = first_collapsed(*topology_, state.position);
     result.folded = first_folded_cell(model(), state.position);
-    if (!loose_) loose_ = first_loose(*scene_);
+    if (!loose_) loose_ = first_loose(*scene_, state.joints);
     if (!result.converged()) result.loose = *loose_;
   }
   if (result.folded >= 0) result.folded_at = cell_centre(model().cells[result.folded], model().rest);
@@ -231,6 +268,10 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   }
   report.force_clamped = motion.force_clamped;
   report.springs_broken = joints_->broken() - broken_before;
+  if (report.springs_broken > 0) {
+    loose_.reset();
+    all_held_.reset();
+  }
   report.tissue_gave_way = tissue_gave_way() - gave_way_before;
   report.at_rest = motion.steps_at_rest >= options_.rest_steps;
   note_strain(motion, report);
@@ -271,7 +312,11 @@ void SolverBackend::note_strain(const Motion& motion, StepReport& report) {
   report.first_beyond = report.beyond_law > 0 ? first_beyond_ : -1;
   report.beyond_since = report.first_beyond < 0 ? 0.0 : beyond_since_;
   if (motion.strain.beyond_law == 0 || motion.max_displacement <= farthest_sizes * body_size(model())) return;
-  if (!all_held_) all_held_ = loose_parts(model(), *scene_, held_particles(model(), *scene_)).empty();
+  if (!all_held_) {
+    State of_joints;
+    joints_->read(of_joints);
+    all_held_ = loose_parts(*scene_, held_particles(*scene_, of_joints.joints), of_joints.joints).empty();
+  }
   if (!*all_held_) return;
   double imposed = 0.0;
   for (std::size_t i = 0; i < frame_.target.size(); ++i) {

@@ -44,6 +44,22 @@ TEST(MaterialFit, FindsTheConstantsOfItsOwnStresses) {
   }
 }
 
+TEST(MaterialFit, FindsThemAtLargeStrainsToo) {
+  for (const Stiffening& of :
+       {Stiffening{0.865366, 12.5246, 0.680451, 1.10212}, Stiffening{0.823307, 6.54809, 0.0, 0.0}}) {
+    Material known{.young = 5e3, .poisson = 0.45, .density = 1000.0};
+    known.stiffening = of;
+    std::vector<TestPoint> points;
+    for (const double s : {0.65, 0.7, 0.8, 0.9, 1.1, 1.2, 1.3, 1.5, 1.65}) {
+      points.push_back({StrainTest::uniaxial, s, nominal_stress(known, StrainTest::uniaxial, s)});
+    }
+    for (const double a : {0.2, 0.5, -0.7, 0.9}) {
+      points.push_back({StrainTest::shear, a, nominal_stress(known, StrainTest::shear, a)});
+    }
+    EXPECT_LT(fit_material(points, {.young = 0.0, .poisson = 0.45, .density = 1000.0}).largest_error, 1e-3);
+  }
+}
+
 /// Against a bisection over the width at which the sides are free. The stress has a corner there, or nearly.
 TEST(MaterialFit, StressOfAStiffeningMaterialHasFreeSides) {
   for (const auto& [poisson, exponential, exponent, stretch] :
@@ -108,6 +124,7 @@ TEST(MaterialFit, SaysWhatIsWrongWithATable) {
   EXPECT_TRUE(
       says(refused({good, {uniaxial, 1.2, 90.0}, {uniaxial, 1.3, 60.0}}, {.exponential = false, .second_fades = false}),
            "constants that fit are out of range", "falls at"));
+  EXPECT_TRUE(says(refused(std::vector(5, TestPoint{uniaxial, 1.1, 1e-200})), "beyond the range of numbers"));
   EXPECT_TRUE(refuses([] { nominal_stress({.young = 1e3, .poisson = 0.6, .density = 1}, shear, 0.1); }, "1/2"));
 }
 

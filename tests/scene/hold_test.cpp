@@ -156,6 +156,19 @@ TEST(HeldPatch, IsAsStiffAsTheTissueBelowACapsule) {
   EXPECT_NEAR(stiffness(), bare, 1e-6 * bare);
 }
 
+TEST(HeldPatch, IsTheSameWithSpareParticles) {
+  const Model body = with_material(make_tetrahedral_block({0.02, 0.02, 0.02}, 4, 4, 4, 0.2, 3));
+  const Surface side{.vertices = {{0, 0, 0}, {0, 0.02, 0}, {0, 0.02, 0.02}, {0, 0, 0.02}},
+                     .triangles = {{0, 2, 1}, {0, 3, 2}},
+                     .notes = {}};
+  const auto held = [&](const Model& model) {
+    Scene scene(model);
+    scene.hold(sample_surface(side, 0.002, everywhere));
+    return scene.joints().at(0).joint;
+  };
+  EXPECT_EQ(held(with_spare_particles(body, 10)), held(body));
+}
+
 TEST(HeldPatch, OfNonsenseIsRefusedWithWhatToDo) {
   const auto refuses_to_sample = [](const Surface& surface, double spacing, const Contains& inside, const char* text) {
     return says(message_of([&] { sample_surface(surface, spacing, inside); }), text);

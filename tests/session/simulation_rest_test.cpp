@@ -168,6 +168,33 @@ TEST(SimulationRest, SaysFirstThatNothingHoldsTheBody) {
   EXPECT_EQ(rest_of([](Scene&) {}).loose, -1) << "it floats";
 }
 
+TEST(SimulationRest, KnowsWhatHoldsTheBody) {
+  const Model model = with_material(make_block({0.04, 0.02, 0.02}, 4, 2, 2), beam_material);
+  const auto loose_with = [&](Load load) {
+    load.particles = model.group("x0");
+    load.events = {{0, 0}};
+    load.direction = {1, 0, 0};
+    Simulation sim(model, {.backend = "cpu"});
+    sim.scene().gravity({0, 0, -9.81}).add(load);
+    const bool warns = std::ranges::any_of(sim.warnings(), [](const std::string& w) { return says(w, "holds"); });
+    const Index loose = sim.run_to_rest(20).loose;
+    EXPECT_EQ(warns, loose >= 0);
+    return loose;
+  };
+  EXPECT_EQ(loose_with({.type = LoadType::rotation}), -1);
+  EXPECT_EQ(loose_with({.type = LoadType::translation, .axes = {Axis::free, Axis::free, Axis::held}}), -1);
+  EXPECT_EQ(loose_with({.type = LoadType::translation, .axes = {Axis::free, Axis::free, Axis::free}}), 0);
+
+  Simulation torn(model, {.backend = "cpu"});
+  torn.scene().gravity({0, 0, -9.81}).attach(model.group("x0"), World{}, {.stiffness = 1e6, .breaking_stress = 10.0});
+  EXPECT_EQ(torn.run_to_rest(1).loose, -1);
+  const Snapshot whole = torn.snapshot();
+  ASSERT_EQ(torn.run_to_rest(1000).report.springs_broken, 9);
+  EXPECT_EQ(torn.run_to_rest(1).loose, 0);
+  torn.restore(whole);
+  EXPECT_EQ(torn.run_to_rest(1).loose, -1);
+}
+
 /// At the rim of a clamp a strongly bent beam folds a cell: the result says where, on the way to rest and there.
 TEST(SimulationRest, NamesTheCellThatIsFolded) {
   Simulation sim(make_tetrahedral_block({0.2, 0.05, 0.05}, 16, 4, 4, 0.2, 1),

@@ -28,8 +28,8 @@ PackedLocalSteps::PackedLocalSteps(const LocalSteps& steps, const PackedBody& bo
             [this](const Eigen::VectorXf& w, Eigen::VectorXf& result) {
               stiffness_->apply(vectors_of(w), vectors_of(result));
             }),
-      forces_(steps, [this](std::span<const Vec3> still, double dt, double factor,
-                            std::span<Vec3> sum) { run_loop(still, dt, factor, sum); }),
+      forces_(steps, [this](auto still, auto held, double dt, double factor,
+                            auto sum) { run_loop(still, held, dt, factor, sum); }),
       x_(steps.stiff.particle.size()),
       acceleration_(x_.size()),
       fine_mass_(steps.fine.mass.begin(), steps.fine.mass.end()),
@@ -40,22 +40,25 @@ PackedLocalSteps::PackedLocalSteps(const LocalSteps& steps, const PackedBody& bo
   for (const Index i : steps.particle) at_.push_back({body.quad_of(place_of[i]), place_of[i]});
 }
 
-void PackedLocalSteps::add_changes(const simd::Move& move, std::span<const double> factors, char* force) {
+void PackedLocalSteps::add_changes(const simd::Move& move, const ToolSet& tools, std::span<const double> factors,
+                                   char* force) {
   auto* elastic = reinterpret_cast<float*>(force);
-  if (!x_.empty()) add_substeps(move, factors, elastic);
+  if (!x_.empty()) add_substeps(move, tools, factors, elastic);
   if (!fine_f_.empty()) add_fine_parts(move, elastic);
 }
 
-void PackedLocalSteps::add_substeps(const simd::Move& move, std::span<const double> factors, float* elastic) {
+void PackedLocalSteps::add_substeps(const simd::Move& move, const ToolSet& tools, std::span<const double> factors,
+                                    float* elastic) {
   const auto* u = reinterpret_cast<const float*>(move.u);
   const auto* load = reinterpret_cast<const float*>(move.load);
   for (std::size_t r = 0; r < x_.size(); ++r) {
+    const bool held = tools.held_by_any(steps_.particle[r]);
+    forces_.imposed()[r] = held ? 7 : move.fixed != nullptr ? move.fixed[at_[r].place] : 0;
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t at = 4 * at_[r].quad + a;
       x_[r][a] = steps_.rest[r][a] + static_cast<double>(u[at]);
       const double sum = static_cast<double>(elastic[at]) + (load != nullptr ? static_cast<double>(load[at]) : 0.0);
-      const bool fixed = move.fixed != nullptr && (move.fixed[at_[r].place] >> a & 1) != 0;
-      acceleration_[r][a] = fixed ? 0.0 : sum / steps_.mass[r] + static_cast<double>(move.gravity[a]);
+      acceleration_[r][a] = sum / steps_.mass[r] + static_cast<double>(move.gravity[a]);
     }
   }
   const std::span<const Vec3> change =
@@ -85,7 +88,8 @@ void PackedLocalSteps::add_fine_parts(const simd::Move& move, float* elastic) {
   for (std::size_t r = 0; r < at.size(); ++r) Eigen::Map<Quad>(elastic + 4 * at[r].quad) += fine_change_[r];
 }
 
-void PackedLocalSteps::run_loop(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum) {
+void PackedLocalSteps::run_loop(std::span<const Vec3> still, std::span<const LocalForces::Held> held, double dt,
+                                double factor, std::span<Vec3> sum) {
   double largest = 0.0;
   for (const Vec3& a : still) largest = std::max(largest, a.cwiseAbs().maxCoeff());
   // The step's own check names what is not a number.
@@ -95,7 +99,7 @@ void PackedLocalSteps::run_loop(std::span<const Vec3> still, double dt, double f
       still_.segment<3>(4 * static_cast<Eigen::Index>(r)) = (still[r] / largest).cast<float>();
     }
   }
-  const Eigen::VectorXf* of_largest = moves ? &loop_.run(still_, dt, factor) : nullptr;
+  const Eigen::VectorXf* of_largest = moves ? &loop_.run(still_, dt, factor, held, 4) : nullptr;
   for (std::size_t r = 0; r < sum.size(); ++r) {
     sum[r] = moves ? Vec3(largest * of_largest->segment<3>(4 * static_cast<Eigen::Index>(r)).cast<double>())
                    : Vec3(Vec3::Zero());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "elastic/substep_loop.h"
+#include "interaction/tool_set.h"
 #include "packed_body.h"
 #include "statics/tangent.h"
 
@@ -20,7 +21,7 @@ class PackedLocalSteps {
 
   /// Adds to `force`, [places][4] N by quad, what the substeps of the step of `move` change. Its loads and gravity act
   /// in them too.
-  void add_changes(const simd::Move& move, std::span<const double> factors, char* force);
+  void add_changes(const simd::Move& move, const ToolSet& tools, std::span<const double> factors, char* force);
 
   /// `loads`, [places][4] N by quad: those of `move` and what tools add, null if they add nothing.
   void keep_pushes(const simd::Move& move, const char* loads);
@@ -31,9 +32,10 @@ class PackedLocalSteps {
   struct Place {
     std::size_t quad, place;  // in the body
   };
-  void add_substeps(const simd::Move& move, std::span<const double> factors, float* elastic);
+  void add_substeps(const simd::Move& move, const ToolSet& tools, std::span<const double> factors, float* elastic);
   void add_fine_parts(const simd::Move& move, float* elastic);
-  void run_loop(std::span<const Vec3> still, double dt, double factor, std::span<Vec3> sum);
+  void run_loop(std::span<const Vec3> still, std::span<const LocalForces::Held> held, double dt, double factor,
+                std::span<Vec3> sum);
 
   const LocalSteps& steps_;
   const std::unique_ptr<Tangent> stiffness_;  // null without substeps

@@ -212,7 +212,7 @@ class SimdSolver final : public SolverBackend {
   }
 
   void add_substeps(const StepPlan& /*plan*/) {
-    local_->add_changes(move_, scene().stiffness_factors(), bytes(force_));
+    local_->add_changes(move_, tools_.set(), scene().stiffness_factors(), bytes(force_));
   }
 
   void limit(const StepPlan& /*plan*/) {}
