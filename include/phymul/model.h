@@ -188,7 +188,8 @@ void set_material(Model& model, const Material& material);
 
 /// The same for the cells of the group: the volume cells (2-D and walls: triangles, quads) that a component lists, as
 /// for regions of a labelled image and physical groups of Gmsh, or, if it lists none, the cells whose particles are all
-/// in it. Masses are then computed from all cells with a material. Throws Error also for an unknown group or one without them.
+/// in it. Masses are then computed from all cells with a material. Throws Error also for an unknown group or one
+/// without them.
 void set_material(Model& model, const Material& material, std::string_view group_name);
 
 /// The same for the cells whose centre (mean of their vertices) `contains` accepts. Their volume is close to that of
