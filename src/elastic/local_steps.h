@@ -104,6 +104,12 @@ class LocalForces {
   void accept() {  ///< the step counts
     pushes_.swap(next_pushes_);
     pushed_ = std::exchange(next_pushed_, false);
+    if (!pushed_) return;
+    for (std::size_t i = 0; i < imposed_.size(); ++i) {  // what holds a particle does not act once it lets go
+      for (int axis = 0; axis < 3; ++axis) {
+        if ((imposed_[i] >> axis & 1) != 0) pushes_[i][axis] = 0.0;
+      }
+    }
   }
   void drop() { next_pushed_ = false; }  ///< it does not
   /// [n] N, those of the step before; empty: none.

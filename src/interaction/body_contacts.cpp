@@ -120,7 +120,7 @@ void BodyContacts::find(TouchedParticles& touched) {
   candidates_.each(place_, margin, gone_, [&](const ContactCandidates::List& list) {
     const auto found = nearest(list);
     if (found) keep(*found, margin);
-    return apart(list, found);
+    return apart(list, found, margin);
   });
   // Not in the lists' order, which depends on when they were made.
   std::ranges::sort(contacts_, {}, [&](const Contact& contact) {
@@ -171,25 +171,47 @@ std::optional<BodyContacts::Nearest> BodyContacts::nearest(const ContactCandidat
       best = found;
     }
   }
-  const bool has_sharp_pieces =
-      best && surface_->are_cut(surface_->particles[best->particle], surface_->triangles[best->triangle]);
-  if (has_sharp_pieces && best->inside && is_before_corner(list, *best)) {
+  if (best && best->inside && is_before_corner(list, *best)) {
     best->inside = false;
     best->way = -best->way;
   }
   return best;
 }
 
-/// m: by no less the particle and the body must come nearer to each other before they touch. What is outside a body
-/// gets in through its surface alone. Of its own body a particle may be deep inside, which touches nothing.
-double BodyContacts::apart(const ContactCandidates::List& list, const std::optional<Nearest>& found) const {
+/// m: by no less a particle and a body must come nearer to each other before keep() keeps a contact of them. Whichever
+/// triangle ranks first by then: a gap is open, and the particle is in front of it, or too far away to have got in
+/// there.
+double BodyContacts::apart(const ContactCandidates::List& list, const std::optional<Nearest>& found,
+                           double margin) const {
   if (found && found->inside) return 0.0;
   const ContactSurface::Particle& own = surface_->particles[list.particle];
+  const auto edge_with = [&](const ContactCandidates::Near& near) {
+    return std::max(own.edge, surface_->triangles[near.triangle].edge);
+  };
   double edge = own.edge;
-  for (const auto& near : list.triangles) edge = std::max(edge, surface_->triangles[near.triangle].edge);
+  for (const auto& near : list.triangles) edge = std::max(edge, edge_with(near));
+  const bool of_another = found && own.body != surface_->triangles[found->triangle].body;
   const double skins = options_.margin > 0.0 ? 2.0 * options_.margin : 2.0 * ContactSurface::usual_skin * edge;
-  if (found && own.body != surface_->triangles[found->triangle].body) return (1.0 - 1e-9) * found->rank - skins;
-  return list.triangles.front().least - list.nearer - std::max(skins, ContactSurface::depth_factor * edge);
+  double gap = (of_another ? (1.0 - 1e-9) * found->rank : list.triangles.front().least - list.nearer) - skins;
+  for (const auto& near : list.triangles) {
+    if (gap <= margin) break;
+    if (!surface_->triangles[near.triangle].has_inside) continue;
+    const double beyond = near.least - list.nearer - ContactSurface::depth_factor * edge_with(near);
+    if (beyond < gap) gap = std::min(gap, std::max(beyond, in_front(list.particle, near.triangle)));
+  }
+  return gap;
+}
+
+/// m: by no less a particle that is before a triangle and its corners must come nearer to each other before it is
+/// behind it. The volume f = N (x - a), N twice the area along the normal, of corners and a particle that go by d each
+/// changes by up to 2 d |N| + 2 d (e + f + 2 d) (|x - a| + 2 d), with sides e and f.
+double BodyContacts::in_front(std::size_t particle, std::size_t triangle) const {
+  const auto& corner = surface_->triangles[triangle].corner;
+  const Vec3& a = place_[corner[0]];
+  const Vec3 e = place_[corner[1]] - a, f = place_[corner[2]] - a, to = place_[particle] - a, twice = e.cross(f);
+  const double volume = (1.0 - 1e-9) * twice.dot(to), most = 0.25 * surface_->longest_edge;  // m, of d
+  const double rate = 2.0 * (twice.norm() + (e.norm() + f.norm() + 2.0 * most) * (to.norm() + 2.0 * most));
+  return volume > 0.0 ? 2.0 * std::min(most, volume / rate) : 0.0;
 }
 
 /// Whether a particle that is behind a triangle, and nearest to a corner or an edge of it, is outside all the same, as

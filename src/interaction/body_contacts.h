@@ -70,7 +70,8 @@ class BodyContacts {
   }
   std::optional<Nearest> nearest(const ContactCandidates::List& list) const;
   std::optional<Nearest> look(std::size_t particle, std::size_t triangle) const;
-  double apart(const ContactCandidates::List& list, const std::optional<Nearest>& found) const;
+  double apart(const ContactCandidates::List& list, const std::optional<Nearest>& found, double margin) const;
+  double in_front(std::size_t particle, std::size_t triangle) const;
   bool is_before_corner(const ContactCandidates::List& list, const Nearest& found) const;
   void keep(const Nearest& found, double margin);
   void press(Contact& contact, TouchedParticles& touched) const;

@@ -51,14 +51,16 @@ class ContactCandidates {
   /// margin. `gone`: PredictedStep::gone(), m. Allocates only while lists grow.
   template <class Visit>
   void each(std::span<const Vec3> place, double margin, double gone, Visit visit) {
-    least_until_ = HUGE_VAL;
+    double least = HUGE_VAL;
+    least_until_ = -HUGE_VAL;  // where visit throws
     if (hold(place, margin)) {
       for (Kept& kept : kept_) {
         if (!(kept.until - gone > 0.5 * margin)) {
           kept.until = gone + 0.5 * visit(List{kept.particle, nearer_, {listed_.data() + kept.first, kept.count}});
         }
-        least_until_ = std::min(least_until_, kept.until);
+        least = std::min(least, kept.until);
       }
+      least_until_ = least;
       return;
     }
     begin(place, margin);
@@ -70,10 +72,11 @@ class ContactCandidates {
           if (!gather(particle, place[particle], body)) continue;
           const double until = gone + 0.5 * visit(List{particle, 0.0, keep(particle)});
           if (keeps_) kept_.back().until = until;
-          least_until_ = std::min(least_until_, until);
+          least = std::min(least, until);
         }
       }
     }
+    least_until_ = least;
     complete_ = keeps_;  // and not before, as visit and memory may throw
   }
 

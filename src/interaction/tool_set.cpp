@@ -172,8 +172,9 @@ void ToolSet::begin_call(const Scene& scene, int steps, bool at_once) {
 }
 
 bool ToolSet::held_by_any(Index particle) const {
-  return std::ranges::any_of(tools_,
-                             [&](const Moving& tool) { return std::ranges::count(tool.moved.held, particle) > 0; });
+  return std::ranges::any_of(tools_, [&](const Moving& tool) {
+    return !tool.moved.releases && std::ranges::count(tool.moved.held, particle) > 0;
+  });
 }
 
 void ToolSet::take_hold(Moving& tool, TouchedParticles& touched) {

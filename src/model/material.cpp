@@ -77,11 +77,18 @@ void divide_quads(Model& model, std::vector<char>& is_chosen) {
     };
     std::size_t k = (at(2) - at(0)).norm() <= (at(3) - at(1)).norm() ? 0 : 1;
     if (!are_unfolded(k) && are_unfolded(1 - k)) k = 1 - k;
+    const std::vector<Index> one{corner[k], corner[k + 1], corner[(k + 2) % 4]};
     Cell other = model.cells[row];
     other.name.clear();
-    other.type = model.cells[row].type = CellType::triangle;
-    model.cells[row].particles = {corner[k], corner[k + 1], corner[(k + 2) % 4]};
     other.particles = {corner[k], corner[(k + 2) % 4], corner[(k + 3) % 4]};
+    for (const std::vector<Index>& half : {one, other.particles}) {
+      if (area_vector(half, model.rest).norm() > 0.0) continue;
+      throw Error(ErrorCode::invalid_model, cell_label(model, row) +
+                                                ": expected a quad with an area on both sides of a diagonal; make it a "
+                                                "triangle");
+    }
+    other.type = model.cells[row].type = CellType::triangle;
+    model.cells[row].particles = one;
     second[row] = static_cast<Index>(model.cells.size());
     model.cells.push_back(std::move(other));
     is_chosen.push_back(1);
@@ -94,8 +101,7 @@ void divide_quads(Model& model, std::vector<char>& is_chosen) {
       }
     }
   }
-  model.notes.push_back("set_material: " + std::to_string(divided) +
-                        " quads of a wall are two triangles each by now, along the shorter diagonal");
+  model.notes.push_back("set_material: " + std::to_string(divided) + " quad(s) of a wall became two triangles each");
 }
 
 void assign_to_rows(Model& model, const Material& material, const std::vector<char>& is_chosen) {
@@ -279,18 +285,19 @@ void set_material(Model& model, const Material& material, std::string_view group
 
 double set_material(Model& model, const Material& material, const Contains& contains) {
   require_in_range(material);
-  double volume = 0.0;
+  const std::size_t cells = model.cells.size();
+  std::vector<std::size_t> rows;
   assign(
       model, material,
       "set_material: expected the centres of some " + cells_for(model, material) + " in the region, but there are none",
       [&](std::size_t row) {
-        const Cell& cell = model.cells[row];
-        if (!contains(cell_centre(cell, model.rest))) return false;
-        volume += material.thickness > 0.0
-                      ? cell.share * material.thickness * area_vector(cell.particles, model.rest).norm()
-                      : signed_measure(model.dimension, cell, model.rest);
+        if (!contains(cell_centre(model.cells[row], model.rest))) return false;
+        rows.push_back(row);
         return true;
       });
+  for (std::size_t row = cells; row < model.cells.size(); ++row) rows.push_back(row);  // of quads
+  double volume = 0.0;
+  for (const std::size_t row : rows) volume += tissue_volume(model, model.cells[row]);
   return volume;
 }
 

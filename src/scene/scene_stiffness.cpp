@@ -20,7 +20,8 @@ void require_factor(const Model& model, double factor) {
   if (model.materials.empty()) {
     throw Error("scale_stiffness: expected a model with a material, got one without; use set_material first");
   }
-  if (has_walls(model)) {
+  const bool has_thin = std::ranges::any_of(model.materials, [](const Material& of) { return of.thickness > 0.0; });
+  if (has_thin && std::ranges::any_of(model.cells, [&](const Cell& cell) { return is_of_wall(model, cell); })) {
     throw Error(ErrorCode::not_supported,
                 "scale_stiffness: expected a body without walls (materials with a thickness)");
   }

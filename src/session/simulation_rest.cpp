@@ -91,14 +91,21 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt) {
   int steps = 0;
   while (true) {
     const int some = static_cast<int>(std::clamp(1.0 / (frequency * dt), 1.0 * fewest_steps, 1e6));
-    const Damping critical{.rate = 2.0 * frequency};
+    Damping critical{.rate = 2.0 * frequency};
     progress.steps_before = steps;
     // Tools strain a body most, and where half of the stable step is too long it never rests. Stiffening bodies, whose
     // frequencies rise most, may need less without tools.
     const bool stiffens = elastic().options.strain_energy == StrainEnergy::stiffening;
     if (!options.step && (stiffens || !scene.tools().empty())) dt = step_limit(std::numeric_limits<double>::infinity());
     const StepReport before = result.report;
-    result = run_to_rest(std::min(some, max_steps - steps), dt, critical);
+    const auto go_on = [&] { return run_to_rest(std::min(some, max_steps - steps), dt, critical); };
+    result = go_on();
+    // With substeps a step that is damped more must be shorter.
+    while (result.report.status == StepStatus::unstable_step && result.report.steps == 0 &&
+           dt <= solver().stable_step() && critical.rate * dt > 1e-3) {
+      critical.rate *= 0.5;
+      result = go_on();
+    }
     result.report.force_clamped |= before.force_clamped;
     result.report.springs_broken += before.springs_broken;
     result.report.tissue_gave_way += before.tissue_gave_way;

@@ -204,8 +204,14 @@ TEST(Wall, OfQuadsHasTwoTrianglesForEach) {
   EXPECT_EQ(model.components[0].cells, (std::vector<Index>{0, 1, 2, 3, 4, 5}));
   EXPECT_NE(model.notes.back().find("2 quads of a wall"), std::string::npos);
   EXPECT_NEAR(std::accumulate(model.mass.begin(), model.mass.end(), 0.0), 1.05 + 2.0 + 1.5, 1e-12);
-  EXPECT_DOUBLE_EQ(set_material(quads, material, [](const Vec3& at) { return at.x() < 1.0; }), 1.05e-3);
-  EXPECT_EQ(quads.cells.size(), 4u);
+  Model first = quads;
+  first.rest[2].z() = 1.0;
+  const double volume = set_material(first, material, [](const Vec3& at) { return at.x() < 1.0; });
+  EXPECT_EQ(first.cells.size(), 4u);
+  EXPECT_NEAR(volume, 0.5e-3 * (Vec3(-1, -1, 1.1).norm() + 1.0), 1e-15);  // of two triangles
+  EXPECT_NEAR(1e3 * volume, std::accumulate(first.mass.begin(), first.mass.begin() + 4, 0.0), 1e-12);
+  quads.rest[10] = quads.rest[9];
+  EXPECT_TRUE(message_of([&] { set_material(quads, material); }).starts_with("cell 2 (QUAD): expected a quad with"));
 }
 
 TEST(Wall, RefusesWhatItCannotDo) {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <set>
 
 #include "interaction/closest_point.h"
@@ -312,6 +314,33 @@ TEST(BodyContact, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refuses([&] { scene.contacts({.margin = -1}); }, "margin"));
   EXPECT_TRUE(refuses([&] { scene.contacts({.rounds = 0}); }, "1 round"));
   EXPECT_FALSE(scene.contacts());
+}
+
+/// A cube passes the tip of a tetrahedron, a millimetre above its level, and stops 3 mm from it. Of the sides of a
+/// sharp tip the one that faces a particle most may have it on its inner side.
+TEST(BodyContact, ATipTouchesNothingBesideIt) {
+  Model spike = make_tetrahedron(0.01);
+  spike.rest[3] = {0, 0, 0.02};
+  for (int k = 0; k < 3; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / 3.0;
+    spike.rest[static_cast<std::size_t>(k)] = {0.003 * std::cos(angle), 0.003 * std::sin(angle), 0.005};
+  }
+  spike = with_material(std::move(spike), {1e4, 0.4, 1000.0});
+  const Model cube = with_material(make_block({0.004, 0.004, 0.004}, 2, 2, 2), {1e4, 0.4, 1000.0});
+  for (const double angle : {0.0, std::numbers::pi / 3.0, std::numbers::pi}) {
+    const Vec3 from(std::cos(angle), std::sin(angle), 0.0);
+    const Model passing = moved(cube, Vec3(-0.002, -0.002, 0.021) + 0.009 * from);
+    const Model model = joined_bodies(spike, passing);
+    const Scene scene = Scene(model).fix("low").contacts({});
+    State state = rest_state(model);
+    for (const Index i : model.group("high")) state.velocity[i] = -0.3 * from;
+    const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 1}));
+    solver->reset(state);
+    ASSERT_TRUE(is_ok(solver->step(150, 0.0032 / 0.3 / 150)));
+    for (const Index i : model.group("high")) {
+      EXPECT_LT((solver->read().velocity[i] + 0.3 * from).norm(), 1e-5) << angle;
+    }
+  }
 }
 
 }  // namespace

@@ -154,6 +154,20 @@ TEST_P(FinePartsOn, IsBoundedBelowTheLimitAndDivergesAboveIt) {
   }
 }
 
+TEST_P(FinePartsOn, StandStillWhereAToolHoldsThem) {
+  const Model model = with_duct();
+  Scene scene(model);
+  scene.add_tool("jaw", {.shape = Sphere{0.006}, .pose = {.position = {0, 0, 0.049}}});
+  const auto solver = local_solver(GetParam(), model, scene, 8);
+  scene.tool("jaw").grasp(0.0005);
+  ASSERT_TRUE(solver->step(1, 0.1 * solver->stable_step()).ok());
+  ASSERT_GT(solver->held("jaw"), 3);
+  State state = solver->read();
+  state.velocity = scattered_vectors(state.velocity.size(), 1e-6, 5);
+  solver->reset(state);
+  EXPECT_LT(solver->step(2000, 0.9 * solver->stable_step()).max_speed, 1e-5);
+}
+
 TEST(FineParts, RestShapesAreThoseOfShortSteps) {
   const Model model = with_duct();
   std::vector<VecList> shape;

@@ -43,17 +43,18 @@ PackedLocalSteps::PackedLocalSteps(const LocalSteps& steps, const PackedBody& bo
 void PackedLocalSteps::add_changes(const simd::Move& move, const ToolSet& tools, std::span<const double> factors,
                                    char* force) {
   auto* elastic = reinterpret_cast<float*>(force);
-  if (!x_.empty()) add_substeps(move, tools, factors, elastic);
+  for (std::size_t r = 0; r < at_.size(); ++r) {
+    const bool held = tools.held_by_any(steps_.particle[r]);
+    forces_.imposed()[r] = held ? 7 : move.fixed != nullptr ? move.fixed[at_[r].place] : 0;
+  }
+  if (!x_.empty()) add_substeps(move, factors, elastic);
   if (!fine_f_.empty()) add_fine_parts(move, elastic);
 }
 
-void PackedLocalSteps::add_substeps(const simd::Move& move, const ToolSet& tools, std::span<const double> factors,
-                                    float* elastic) {
+void PackedLocalSteps::add_substeps(const simd::Move& move, std::span<const double> factors, float* elastic) {
   const auto* u = reinterpret_cast<const float*>(move.u);
   const auto* load = reinterpret_cast<const float*>(move.load);
   for (std::size_t r = 0; r < x_.size(); ++r) {
-    const bool held = tools.held_by_any(steps_.particle[r]);
-    forces_.imposed()[r] = held ? 7 : move.fixed != nullptr ? move.fixed[at_[r].place] : 0;
     for (std::size_t a = 0; a < 3; ++a) {
       const std::size_t at = 4 * at_[r].quad + a;
       x_[r][a] = steps_.rest[r][a] + static_cast<double>(u[at]);
@@ -80,8 +81,8 @@ void PackedLocalSteps::add_fine_parts(const simd::Move& move, float* elastic) {
     if (load != nullptr) f += Eigen::Map<const Quad>(load + 4 * at[r].quad);
     if (!push.empty()) f.head<3>() += push[x_.size() + r].cast<float>();
     f[3] = 0.0f;
-    for (int axis = 0; axis < 3 && move.fixed != nullptr; ++axis) {
-      if ((move.fixed[at[r].place] >> axis & 1) != 0) f[axis] = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((forces_.imposed()[x_.size() + r] >> axis & 1) != 0) f[axis] = 0.0f;
     }
   }
   steps_.fine.changes<Quad>(fine_f_, fine_change_, fine_nodes_);

@@ -32,7 +32,7 @@ class PackedLocalSteps {
   struct Place {
     std::size_t quad, place;  // in the body
   };
-  void add_substeps(const simd::Move& move, const ToolSet& tools, std::span<const double> factors, float* elastic);
+  void add_substeps(const simd::Move& move, std::span<const double> factors, float* elastic);
   void add_fine_parts(const simd::Move& move, float* elastic);
   void run_loop(std::span<const Vec3> still, std::span<const LocalForces::Held> held, double dt, double factor,
                 std::span<Vec3> sum);
