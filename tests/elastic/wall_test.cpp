@@ -202,7 +202,7 @@ TEST(Wall, OfQuadsHasTwoTrianglesForEach) {
   EXPECT_EQ(model.cells[0].particles, (std::vector<Index>{1, 2, 3}));
   EXPECT_EQ(model.cells[4].particles, (std::vector<Index>{1, 3, 0}));
   EXPECT_EQ(model.components[0].cells, (std::vector<Index>{0, 1, 2, 3, 4, 5}));
-  EXPECT_NE(model.notes.back().find("2 quads of a wall"), std::string::npos);
+  EXPECT_NE(model.notes.back().find("2 quad(s) of a wall"), std::string::npos);
   EXPECT_NEAR(std::accumulate(model.mass.begin(), model.mass.end(), 0.0), 1.05 + 2.0 + 1.5, 1e-12);
   Model first = quads;
   first.rest[2].z() = 1.0;

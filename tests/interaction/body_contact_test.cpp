@@ -334,7 +334,7 @@ TEST(BodyContact, ATipTouchesNothingBesideIt) {
     const Scene scene = Scene(model).fix("low").contacts({});
     State state = rest_state(model);
     for (const Index i : model.group("high")) state.velocity[i] = -0.3 * from;
-    const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 1}));
+    const auto solver = make_solver("cpu", model, scene, {}, options_for({"cpu", 1}, 0.0));
     solver->reset(state);
     ASSERT_TRUE(is_ok(solver->step(150, 0.0032 / 0.3 / 150)));
     for (const Index i : model.group("high")) {
