@@ -24,7 +24,7 @@ class Arguments {
   const std::string& text(const std::string& name) const { return values_.at(name); }
   double number(const std::string& name) const;
   std::vector<std::string> list(const std::string& name) const;  ///< separated by commas; empty: no entry
-  /// list() of some of these. Throws Error for an entry that is none of them.
+  /// list() of some of these. Throws Error for another entry.
   std::vector<std::string> chosen(const std::string& name, const std::vector<std::string>& of) const;
   std::vector<double> numbers(const std::string& name) const;
 
