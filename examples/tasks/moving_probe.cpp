@@ -82,7 +82,7 @@ int main() try {
       // Velocities of half a step before: state() and set_state() would evaluate the forces for those of the state's
       // time.
       phymul::State state = made.transfer(sim.solver().read());
-      // Below the probe both bodies have the same spacing: it goes on pressing, as in one body.
+      // Both bodies have the same spacing below the probe, so the probe keeps pressing.
       for (phymul::ToolState& tool : state.tools) tool.placed = false;
       made.sim.unrecorded_solver().reset(state);
       old = std::exchange(sim, std::move(made.sim));
