@@ -102,6 +102,7 @@ void ContactCandidates::see(std::span<const Vec3> place, double gone) {
 void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
   complete_ = jumped_ = false;
   if (!has_all_) build_whole_trees();
+  ranked_edge_ = 2.0 * surface_->longest_edge;
   ++searches_;
   margin_ = margin;
   nearer_ = 0.0;
@@ -250,7 +251,7 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   const auto triangle_of = [&](Index item) -> const ContactSurface::Triangle& {
     return surface_->triangles[triangles_.items[item]];
   };
-  const double facing = (1.0 + of_length) * ContactSurface::facing_share * surface_->longest_edge;
+  const double facing = (1.0 + of_length) * ContactSurface::facing_share * ranked_edge_;
   double furthest = 0.0, nearest = HUGE_VAL;
   for (const Index item : met_) {
     const double distance_limit = std::max(item_search_[item], usual), off = distance(here, item_box_[item]);

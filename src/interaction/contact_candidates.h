@@ -175,6 +175,7 @@ class ContactCandidates {
   int tight_searches_ = 0;             // that are still to go without slack, as lists were too long with it
   bool lost_ = false;                  // a place is so far away that nothing is found
   double margin_ = 0.0, slack_ = 0.0;  // m
+  double ranked_edge_ = 0.0;           // m: what may rank first by facing is listed up to this longest edge
   double nearer_ = 0.0;                // m: what may have come nearer until the last each()
   VecList then_;                       // [particles] where they were
   std::vector<Kept> kept_;

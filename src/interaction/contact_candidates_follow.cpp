@@ -68,7 +68,7 @@ void ContactCandidates::follow(const ContactSurface& surface, const ContactOptio
                                const ContactSurface* before) {
   const bool stays = before != nullptr && before == surface_ && (complete_ || !to_search_.empty()) &&
                      options == options_ && surface.bodies == before->bodies && surface.is_cut == before->is_cut &&
-                     surface.longest_edge == before->longest_edge && surface.body_of.size() == before->body_of.size();
+                     surface.longest_edge <= ranked_edge_ && surface.body_of.size() == before->body_of.size();
   surface_ = &surface;
   has_all_ = false;
   if (stays) {
@@ -232,8 +232,7 @@ void ContactCandidates::search_what_is_new(std::span<const Vec3> place, double m
 /// Adds to to_search_ the particles that new triangles may be listed for. Rows of particles, and of the triangles that
 /// may be listed for these.
 std::pair<std::vector<Index>, std::vector<Index>> ContactCandidates::to_search() {
-  const double longest = surface_->longest_edge;
-  const double reach = search_distance(longest) + 2.0 * ContactSurface::facing_share * longest;
+  const double reach = search_distance(surface_->longest_edge) + 2.0 * ContactSurface::facing_share * ranked_edge_;
   const auto box_of = [&](std::size_t t) {
     Box box;
     for (const Index c : surface_->triangles[t].corner) box.add(then_[c], then_[c]);
