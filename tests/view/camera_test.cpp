@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 #include <phymul/camera.h>
+#include <phymul/display.h>
 #include <phymul/error.h>
+
+#include <limits>
 
 #include "support/bodies.h"
 
@@ -74,6 +77,14 @@ TEST(Camera, ASinglePointHasAPicture) {
   const VecList point{{1.0, 2.0, 3.0}};
   const Camera camera = framing(point, Vec3::UnitX());
   EXPECT_TRUE(to_pixel(camera, point[0], 10, 10).head<2>().isApprox(Eigen::Vector2d(5, 5)));
+}
+
+TEST(DisplacementColour, IsOfTheNearestShareOfTheScale) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+  for (const double share : {nan, -1.0, -infinite}) {
+    EXPECT_EQ(displacement_colour(share), displacement_colour(0.0)) << share;
+  }
+  for (const double share : {2.0, infinite}) EXPECT_EQ(displacement_colour(share), displacement_colour(1.0)) << share;
 }
 
 }  // namespace
