@@ -65,7 +65,13 @@ TEST(Camera, FramingSeesEveryPointAndFillsThePicture) {
 
 TEST(Camera, WhatCannotBeSeenIsRefused) {
   EXPECT_THROW(framing({}, Vec3::UnitX()), Error);
-  EXPECT_THROW(framing(make_tetrahedron(0.01).rest, Vec3::Zero()), Error);
+  VecList points = make_tetrahedron(0.01).rest;
+  EXPECT_THROW(framing(points, Vec3::Zero()), Error);
+  for (const double angle : {-0.5, 3.2, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(framing(points, Vec3::UnitX(), 1.0, angle), Error) << angle;
+  }
+  points.back().x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(framing(points, Vec3::UnitX()), Error);
   Camera camera;
   camera.eye = camera.target;
   EXPECT_THROW(axes_of(camera), Error);
