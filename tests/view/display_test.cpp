@@ -104,6 +104,35 @@ TEST_F(GlPictureTest, BallsAreJustWhereTheProjectionSays) {
   }
 }
 
+/// In perspective with the near plane in the eye all depths are equal, and what is drawn last would hide what is
+/// nearer.
+TEST_F(GlPictureTest, CamerasThatSeeNothingRightAreRefused) {
+  const Model model = make_tetrahedron(0.01);
+  const auto display = make_display(model);
+  for (const double angle : {0.0, 0.3}) {
+    Camera camera = camera_for(model, angle);
+    const double distance = (camera.eye - camera.target).norm();
+    const auto draw = [&](double near, double far) {
+      camera.near_plane = near, camera.far_plane = far;
+      return painted(display->render(camera, particles_only(), width, height));
+    };
+    EXPECT_GT(draw(0.1 * distance, 3.0 * distance), 200);
+    EXPECT_THROW(draw(distance, distance), Error);
+    EXPECT_THROW(draw(3.0 * distance, distance), Error);
+    if (angle > 0.0) {
+      EXPECT_THROW(draw(0.0, 3.0 * distance), Error);
+      for (const double wrong : {-angle, 3.2}) {
+        camera.view_angle = wrong;
+        EXPECT_THROW(draw(0.1 * distance, 3.0 * distance), Error) << wrong;
+      }
+    } else {
+      EXPECT_GT(draw(0.0, 3.0 * distance), 200);
+      camera.view_height = 0.0;
+      EXPECT_THROW(draw(0.0, 3.0 * distance), Error);
+    }
+  }
+}
+
 TEST_F(GlPictureTest, WhatMovesMovesInThePicture) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
