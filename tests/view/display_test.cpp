@@ -155,6 +155,25 @@ TEST_F(GlPictureTest, WhatMovesMovesInThePicture) {
   EXPECT_GT(difference(before, after), 0.01);
 }
 
+TEST_F(GlPictureTest, WhatIsCutOrRemovedIsDrawnSo) {
+  Model model = make_tetrahedral_block({0.04, 0.02, 0.02}, 6, 3, 3, 0.1, 1);
+  set_material(model, {1e4, 0.3, 1000.0});
+  Simulation sim(with_spare_particles(model, 60), {.backend = "cpu"});
+  const auto display = make_display(sim.solver());
+  const Camera camera = camera_for(model);
+  const auto differs = [&](const Image& image) {
+    return difference(image, make_display(sim.solver())->render(camera, {}, width, height));
+  };
+  Image image = display->render(camera, {}, width, height);
+  EXPECT_EQ(differs(image), 0.0);
+  sim.remove_cells(sim.model().cells_in([](const Vec3& x) { return x.x() > 0.03; }));
+  EXPECT_GT(differs(image), 0.05);
+  image = display->render(camera, {}, width, height);
+  EXPECT_EQ(differs(image), 0.0);
+  ASSERT_TRUE(sim.cut(cut_plane({0.015, 0, 0}, {1.0, 0.2, 0.1})));
+  EXPECT_EQ(differs(display->render(camera, {}, width, height)), 0.0);
+}
+
 TEST_F(GlPictureTest, FacesAreLitByTheirNormalsAndColouredByDisplacement) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
