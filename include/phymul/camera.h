@@ -20,8 +20,7 @@ struct Camera {
 };
 
 /// A camera that sees all of `points` in a picture of width / height = aspect, from the direction `towards_eye`, z
-/// upward (y, where one looks along z). Throws Error where there is no point or no direction, for a point that is not
-/// finite, and for a view_angle that is not from 0 to below pi.
+/// upward (y, where one looks along z). Throws Error where there is no point or no direction.
 Camera framing(std::span<const Vec3> points, const Vec3& towards_eye, double aspect = 1.0, double view_angle = 0.0);
 
 /// Unit vectors of the picture: to the right, upward, and from the picture to the eye. Throws Error where eye and

@@ -53,7 +53,8 @@ class ContactCandidates {
   /// of that body that may be nearest to it. What the skin of a particle's own body leaves out is in no list; what is
   /// not finite touches nothing. `margin` is twice what the fastest particle goes in a step: two come nearer to each
   /// other by no more. visit() returns a gap, m, and is not called again before motion may have brought that within a
-  /// margin. `gone`: PredictedStep::gone(), m. Allocates only while lists grow.
+  /// margin. `gone`: PredictedStep::gone(), m. Allocates while lists grow, and in the first call after
+  /// follow() kept lists.
   template <class Visit>
   void each(std::span<const Vec3> place, double margin, double gone, Visit visit) {
     double least = HUGE_VAL;
@@ -92,7 +93,7 @@ class ContactCandidates {
     least_until_ = -HUGE_VAL;
   }
 
-  std::size_t searches() const { return searches_; }  ///< since follow()
+  std::size_t searches() const { return searches_; }  ///< since follow() kept no lists
 
  private:
   struct Box {  // empty unless something is added
@@ -139,7 +140,10 @@ class ContactCandidates {
   void build_trees(const std::vector<Index>& particles, const std::vector<Index>& triangles);
   void keep_lists_of(const ContactSurface& before);
   void search_what_is_new(std::span<const Vec3> place, double margin);
-  std::pair<std::vector<Index>, std::vector<Index>> to_search();
+  bool are_near(const Box& a, const Box& b) const;
+  Box box_then(std::size_t triangle) const;
+  bool find_near_new();
+  std::pair<std::vector<Index>, std::vector<Index>> to_search() const;
   template <class Found>
   void gather_all(Found found);
   bool hold(std::span<const Vec3> place, double margin);

@@ -30,6 +30,9 @@ double edge_for_slack(const ContactSurface& surface) {
   return mean;
 }
 
+/// Pairs of a particle and a new triangle: where more were to be looked at, a whole search costs less.
+constexpr std::size_t most_pairs = 1 << 19;
+
 /// Finds rows by one of the indices in them.
 class RowsByKey {
  public:
@@ -202,7 +205,8 @@ void ContactCandidates::build_trees(const std::vector<Index>& particles, const s
   node_search_.resize(node_box_.size());
 }
 
-/// As the last search would have found it, had it been of this surface. Nothing where its lists do not hold any more.
+/// As the last search would have found it, had it been of this surface. Nothing where its lists do not hold any more,
+/// or where much is new.
 void ContactCandidates::search_what_is_new(std::span<const Vec3> place, double margin) {
   Box way;
   for (std::size_t k = 0; k < place.size(); ++k) {
@@ -216,7 +220,7 @@ void ContactCandidates::search_what_is_new(std::span<const Vec3> place, double m
   complete_ = true;
   const bool holds = hold(place, margin);
   complete_ = false;
-  if (holds) {
+  if (holds && find_near_new()) {
     const auto [particles, triangles] = to_search();
     std::erase_if(kept_, [&](const Kept& own) { return to_search_[own.particle] != 0; });
     has_all_ = false;
@@ -229,38 +233,49 @@ void ContactCandidates::search_what_is_new(std::span<const Vec3> place, double m
   is_new_triangle_.clear();
 }
 
-/// Adds to to_search_ the particles that new triangles may be listed for. Rows of particles, and of the triangles that
-/// may be listed for these.
-std::pair<std::vector<Index>, std::vector<Index>> ContactCandidates::to_search() {
+/// m: what is farther apart by places in then_ is listed for nothing.
+bool ContactCandidates::are_near(const Box& a, const Box& b) const {
   const double reach = search_distance(surface_->longest_edge) + 2.0 * ContactSurface::facing_share * ranked_edge_;
-  const auto box_of = [&](std::size_t t) {
-    Box box;
-    for (const Index c : surface_->triangles[t].corner) box.add(then_[c], then_[c]);
-    return box;
-  };
-  const auto are_near = [&](const Box& a, const Box& b) {
-    return !((a.low - b.high).maxCoeff() > reach || (b.low - a.high).maxCoeff() > reach);
-  };
-  Box around_new;
+  return !((a.low - b.high).maxCoeff() > reach || (b.low - a.high).maxCoeff() > reach);
+}
+
+ContactCandidates::Box ContactCandidates::box_then(std::size_t triangle) const {
+  Box box;
+  for (const Index c : surface_->triangles[triangle].corner) box.add(then_[c], then_[c]);
+  return box;
+}
+
+/// Adds to to_search_ the particles that new triangles may be listed for; not where they are too many to look at.
+bool ContactCandidates::find_near_new() {
+  Box around;
   std::vector<Box> boxes;
   for (std::size_t t = 0; t < is_new_triangle_.size(); ++t) {
     if (is_new_triangle_[t] == 0) continue;
-    boxes.push_back(box_of(t));
-    around_new.add(boxes.back().low, boxes.back().high);
+    boxes.push_back(box_then(t));
+    around.add(boxes.back().low, boxes.back().high);
   }
+  std::vector<std::size_t> rows;
+  for (std::size_t k = 0; k < then_.size(); ++k) {
+    if (to_search_[k] == 0 && are_near({then_[k], then_[k]}, around)) rows.push_back(k);
+  }
+  if (rows.size() * boxes.size() > most_pairs) return false;
+  for (const std::size_t k : rows) {
+    to_search_[k] = std::ranges::any_of(boxes, [&](const Box& box) { return are_near({then_[k], then_[k]}, box); });
+  }
+  return true;
+}
+
+/// Rows of the particles of to_search_, and of the triangles that may be listed for these.
+std::pair<std::vector<Index>, std::vector<Index>> ContactCandidates::to_search() const {
   std::pair<std::vector<Index>, std::vector<Index>> found;
   Box around;
   for (std::size_t k = 0; k < then_.size(); ++k) {
-    const Box here{then_[k], then_[k]};
-    if (to_search_[k] == 0 && are_near(here, around_new)) {
-      to_search_[k] = std::ranges::any_of(boxes, [&](const Box& box) { return are_near(here, box); });
-    }
     if (to_search_[k] == 0) continue;
     found.first.push_back(static_cast<Index>(k));
     around.add(then_[k], then_[k]);
   }
   for (std::size_t t = 0; t < surface_->triangles.size(); ++t) {
-    if (are_near(box_of(t), around)) found.second.push_back(static_cast<Index>(t));
+    if (are_near(box_then(t), around)) found.second.push_back(static_cast<Index>(t));
   }
   return found;
 }
