@@ -80,10 +80,10 @@ class Display {
   Display() = default;
 };
 
-/// A display of the solver's state at each call, with what cuts and removed cells have left; the solver must outlive it.
-/// With GlContext::own it draws in the context of a GL solver, otherwise in one of its own. With GlContext::current it
-/// draws in the context of the caller, without a copy if the solver uses that context or one that shares objects with
-/// it. Throws Error if GL is missing.
+/// A display of the solver's state at each call, with what cuts and removed cells have left; the solver must outlive
+/// it. With GlContext::own it draws in the context of a GL solver, otherwise in one of its own. With GlContext::current
+/// it draws in the context of the caller, without a copy if the solver uses that context or one that shares objects
+/// with it. Throws Error if GL is missing.
 std::unique_ptr<Display> make_display(const Solver& solver, const GlOptions& gl = {});
 
 /// A display of a skin instead of the body itself: of these triangles of points of the skin (counter-clockwise seen
