@@ -59,8 +59,9 @@ class Display {
   Display& operator=(const Display&) = delete;
 
   /// An antialiased picture of the present state. Waits for the device. Throws Error for a size below 1 x 1 or above
-  /// what the driver supports, and, as draw() does, for a camera without a view: its far plane not beyond the near one,
-  /// with a view_angle the near plane not in front of the eye, without one no view_height.
+  /// what the driver supports, and, as draw() does, for a camera without a view: a view_angle below 0 or of pi and
+  /// more, a far plane not beyond the near one, with a view_angle the near plane not in front of the eye, without one
+  /// no view_height.
   virtual Image render(const Camera& camera, const DisplayOptions& options, int width, int height) = 0;
 
   /// Draws into a rectangle of the framebuffer that the caller has bound. Pixels count from its lower left corner.

@@ -2,6 +2,8 @@
 //
 // What candidates of contacts take over of a surface, and which lists they keep of the one before.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 #include <utility>

@@ -12,11 +12,8 @@
 #include <cmath>
 #include <limits>
 #include <new>
-#include <set>
 #include <string>
-#include <utility>
 
-#include "interaction/closest_point.h"
 #include "interaction/contact_candidates.h"
 #include "support/allocation_count.h"
 #include "support/run_scenes.h"

@@ -6,10 +6,8 @@
 
 #include <phymul/body_cut.h>
 #include <phymul/shapes.h>
-#include <phymul/simulation.h>
 
 #include <algorithm>
-#include <optional>
 #include <random>
 #include <vector>
 

@@ -171,7 +171,7 @@ BodyDrawing::Eye BodyDrawing::eye_of(const Camera& camera, const DisplayOptions&
   const Vec3& place = eye.parallel ? axes.towards_eye : from_centre;
   eye.place << place.cast<float>(), eye.parallel ? 0.0f : 1.0f;
   eye.pixel_size = viewport.pixel_size;
-  // Of an eye that has passed the body's centre too.
+  // Negative where the eye has passed the body's centre.
   eye.pixels_per_metre = std::abs(pixels_per_metre(camera, eye.parallel ? camera.target : centre_, viewport.height));
   eye.viewport = {static_cast<float>(viewport.width), static_cast<float>(viewport.height)};
   if (options.full_scale > 0.0) eye.displacement_scale = static_cast<float>(1.0 / options.full_scale);

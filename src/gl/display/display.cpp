@@ -132,7 +132,8 @@ class GlDisplay final : public Display {
     static_cast<void>(objects_.release());  // not there any more, or out of reach: their names may be others' by now
   }
 
-  /// A solver that lost its device goes on in another context. Cuts and removed cells change the body, but not a skin.
+  /// Makes the objects anew where the solver has another context, because it lost its device, or where cuts and removed
+  /// cells have changed the body. A skin stays as it is.
   void follow_solver() {
     if (!objects_) return open();  // an earlier opening failed
     const bool is_cut = solver_ && !skin_ && body_version_ != solver_->scene().body_version();
