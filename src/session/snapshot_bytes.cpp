@@ -10,6 +10,7 @@
 
 #include "base/fnv.h"
 #include "cut_bytes.h"
+#include "interaction/tool_frame.h"
 #include "thread_bytes.h"
 #include "tool_bytes.h"
 
@@ -77,13 +78,9 @@ void report_fields(Bytes& bytes, Tools& tools, Joints& joints) {
   });
 }
 
-bool is_finite(const ToolPose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
-}
-
 bool is_finite(const ToolMemory& tool) {
   const ToolForce& of = tool.force;
-  return is_finite(tool.last_pose) &&
+  return tool.last_pose.position.allFinite() && tool.last_pose.orientation.coeffs().allFinite() &&
          (of.force + of.torque + of.mean_force + of.mean_torque + of.held_centre).allFinite();
 }
 
