@@ -58,21 +58,25 @@ struct FluidPush {
   double volume = 0.0;  ///< m^3, without pressure, at the start
   double dt = 0.0;
   double before = 0.0, now = 0.0;  ///< Pa, p- and p, of a law of pressure
+  double conductance = fluid.conductance;
 
   bool has_law() const { return fluid.law != FluidLaw::incompressible; }
   double pressure(double s) const {
     const double mean = s / (dt * dt);
     return has_law() ? 4.0 * mean - 2.0 * now - before : mean;
   }
+  /// The push at a pressure at the end.
+  double push(double p) const { return has_law() ? 0.25 * dt * dt * (p + 2.0 * now + before) : dt * dt * p; }
+  double per_push() const { return (has_law() ? 4.0 : 1.0) / (dt * dt); }  ///< Pa
   /// m^3, without pressure, at the end.
   double left(double s) const {
-    const double leaves = dt * fluid.conductance * (pressure(s) - fluid.outlet_pressure);
+    const double leaves = dt * conductance * (pressure(s) - fluid.outlet_pressure);
     return std::max(volume - leaves, least_left * volume);
   }
   WantedVolume operator()(double s) const {
-    const double per_s = (has_law() ? 4.0 : 1.0) / (dt * dt), has = left(s);
+    const double per_s = per_push(), has = left(s);
     const WantedVolume ratio = fluid_ratio(fluid, pressure(s));
-    const double leaving = has > least_left * volume ? dt * fluid.conductance : 0.0;
+    const double leaving = has > least_left * volume ? dt * conductance : 0.0;
     return {has * ratio.volume, per_s * (has * ratio.slope - leaving * ratio.volume)};
   }
 };
