@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
 
+#include "interaction/fluid_exchange.h"
 #include "model/enclosed_volume.h"
 #include "support/cut_walls.h"
 #include "support/run_scenes.h"
@@ -130,8 +131,6 @@ TEST(ConnectedFluid, PressedBagFillsTheOther) {
       before = b.volume;
     }
     const double p = solver->fluid("b").pressure;
-    std::printf("dt %g steps %d p %g %g most %g V %g %g\n", dt, steps, solver->fluid("a").pressure, p, most,
-                solver->fluid("a").volume / full, solver->fluid("b").volume / full);
     EXPECT_GT(solver->fluid("b").volume, 1.02 * full);
     EXPECT_NEAR(solver->fluid("a").pressure, p, 1e-3 * p);
     const State state = solver->read();
@@ -153,10 +152,10 @@ TEST(ConnectedFluid, FlowsAlongAChain) {
       scene.constrain_volume(content(model, name, syringe_volume, own));
     }
     const auto solver = make_solver("reference", model, scene, {}, damped(50.0));
-    ASSERT_TRUE(solver->step(3000, 1e-4).ok());
+    ASSERT_TRUE(solver->step(600, 5e-4).ok());
     double before[3];
     for (int k = 0; k < 3; ++k) before[k] = solver->fluid(std::string(1, static_cast<char>('a' + k))).volume;
-    ASSERT_TRUE(solver->step(2000, 1e-4).ok());
+    ASSERT_TRUE(solver->step(400, 5e-4).ok());
     const double rates[3] = {-200.0 * G, -100.0 * G, 300.0 * G};
     for (int k = 0; k < 3; ++k) {
       const double now = solver->fluid(std::string(1, static_cast<char>('a' + k))).volume;
@@ -174,9 +173,7 @@ TEST(ConnectedFluid, RunsDryAndFillsAgain) {
     scene.constrain_volume(content(model, "b", 0.5 * syringe_volume));
     scene.constrain_volume(content(model, "a", 0.5 * syringe_volume, into("b", 1e-6)));
     const auto solver = make_solver("reference", model, scene, {}, damped(50.0));
-    ASSERT_TRUE(solver->step(5000, 1e-4).ok());
-    std::printf("%g: a %g b %g p %g %g\n", pressure, solver->fluid("a").volume, solver->fluid("b").volume,
-                solver->fluid("a").pressure, solver->fluid("b").pressure);
+    ASSERT_TRUE(solver->step(1000, 5e-4).ok());
     EXPECT_EQ(fluid_sum(*solver, "ab"), syringe_volume);
     EXPECT_GT(solver->fluid("a").volume, 0.0);
     EXPECT_LT(solver->fluid("a").volume, 1e-3 * syringe_volume);
@@ -186,42 +183,195 @@ TEST(ConnectedFluid, RunsDryAndFillsAgain) {
       load.direction = -load.direction;
       scene.replace(k, load);
     }
-    ASSERT_TRUE(solver->step(5000, 1e-4).ok());
-    std::printf("%g: a %g b %g p %g %g\n", pressure, solver->fluid("a").volume, solver->fluid("b").volume,
-                solver->fluid("a").pressure, solver->fluid("b").pressure);
+    ASSERT_TRUE(solver->step(1000, 5e-4).ok());
     EXPECT_EQ(fluid_sum(*solver, "ab"), syringe_volume);
     EXPECT_GT(solver->fluid("a").volume, 0.99 * syringe_volume);
   }
 }
 
-/// A bag that another one sucks flat, which is itself sucked through an opening to the outside.
-TEST(ConnectedFluid, BagIsSuckedFlat) {
-  const Model one = wall_of(sphere_surface(0.02, 4), 20e3, 0.45, 1e-3), two = moved(one, {0.1, 0, 0});
+/// Sucked through another one by an opening to the outside, a bag runs dry. With the opening closed it keeps what it
+/// has.
+TEST(ConnectedFluid, BagIsSuckedThroughAnother) {
+  const Model one = wall_of(sphere_surface(0.02, 3), 20e3, 0.45, 1e-3), two = moved(one, {0.1, 0, 0});
   const Model model = merge_models(std::vector<NamedBody>{{"a", &one}, {"b", &two}});
-  for (const bool rigid : {false, true}) {
-    Scene scene(model);
-    const double full = enclosed_volume(surface_triangles(one), one.rest);
-    if (rigid) scene.fix("b");
-    scene.constrain_volume(content(model, "b", full));
-    scene.constrain_volume(content(model, "a", full, into("b", 1e-6)));
-    scene.set_fluid("b", {.conductance = 1e-8, .outlet_pressure = -2000.0});
-    const auto solver = make_solver("reference", model, scene, {}, damped(30.0));
-    const double dt = 0.5 * solver->stable_step();
-    for (int k = 0; k < 20; ++k) {
-      const StepReport report = solver->step(100, dt);
-      EXPECT_TRUE(report.ok()) << report.message();
-      std::printf("%d a %g b %g p %g %g\n", rigid, solver->fluid("a").volume / full, solver->fluid("b").volume / full,
-                  solver->fluid("a").pressure, solver->fluid("b").pressure);
-      if (!report.ok()) break;
-    }
-    scene.set_fluid("b", {});
-    for (int k = 0; k < 5; ++k) {
-      const StepReport report = solver->step(100, dt);
-      EXPECT_TRUE(report.ok()) << report.message();
-      std::printf("%d a %g b %g p %g %g\n", rigid, solver->fluid("a").volume / full, solver->fluid("b").volume / full,
-                  solver->fluid("a").pressure, solver->fluid("b").pressure);
-    }
+  Scene scene(model);
+  const double full = enclosed_volume(surface_triangles(one), one.rest), G = 2e-8;
+  scene.fix("b");
+  scene.constrain_volume(content(model, "b", full));
+  scene.constrain_volume(content(model, "a", full, into("b", 1e-6)));
+  scene.set_fluid("b", {.conductance = G, .outlet_pressure = -2000.0});
+  const auto solver = make_solver("reference", model, scene, {}, damped(30.0));
+  const double dt = 0.5 * solver->stable_step();
+  double before = full;
+  for (int k = 0; solver->fluid("a").volume > 0.1 * full; ++k) {
+    ASSERT_TRUE(solver->step(1, dt).ok());
+    const double leaves = dt * G * (solver->fluid("b").pressure + 2000.0);
+    ASSERT_NEAR(before - solver->fluid("a").volume, leaves, 1e-9 * full);
+    ASSERT_NEAR(leaves, dt * 1e-6 * (solver->fluid("a").pressure - solver->fluid("b").pressure), 1e-9 * full);
+    before = solver->fluid("a").volume;
+    ASSERT_LT(k, 2000);
   }
+  ASSERT_TRUE(solver->step(200, dt).ok());
+  EXPECT_LT(solver->fluid("a").volume, 1e-9 * full);
+  EXPECT_NEAR(solver->fluid("b").pressure, -2000.0, 1.0);
+  scene.set_fluid("b", {});
+  const double sum = fluid_sum(*solver, "ab");
+  ASSERT_TRUE(solver->step(200, dt).ok());
+  EXPECT_EQ(fluid_sum(*solver, "ab"), sum);
+  EXPECT_NEAR(solver->fluid("a").pressure, solver->fluid("b").pressure, 1e-3);
+}
+
+/// What opens into a bag that is cut flows out as through an opening to the outside, and so does what a cut one opens
+/// into; beside an opening that there is.
+TEST(ConnectedFluid, CutBagIsTheOutside) {
+  const Model one = sphere(), two = moved(one, {0.2, 0, 0});
+  const Model body = with_spare_particles(merge_models(std::vector<NamedBody>{{"a", &one}, {"b", &two}}), 300);
+  const double full = 1.1 * enclosed_volume(surface_triangles(one), one.rest), G = 1e-6;
+  const auto run = [&](const Fluid& of_a, const Fluid& of_b, bool opened) {
+    Simulation sim(body, without_material("cpu"));
+    sim.scene().constrain_volume(content(body, "a", full)).constrain_volume(content(body, "b", full));
+    sim.scene().set_fluid("a", of_a).set_fluid("b", of_b);
+    EXPECT_TRUE(sim.cut(cut_plane({0.21, 0.0, 0.0}, {1.0, 0.1, 0.1})));
+    EXPECT_TRUE(sim.scene().is_open(1) && !sim.scene().is_open(0));
+    EXPECT_TRUE(sim.advance(0.05).ok());
+    EXPECT_EQ(sim.solver().fluid("b").volume, full);
+    EXPECT_EQ(sim.solver().fluid("a").volume != full, opened);
+    return sim.solver().fluid("a");
+  };
+  const FluidState out = run({.conductance = G}, {}, true);
+  EXPECT_LT(out.volume, 0.999 * full);
+  EXPECT_EQ(run(into("b", G), {}, true), out);
+  EXPECT_EQ(run({}, into("a", G), true), out);
+  run({}, {}, false);
+  const FluidState mean = run({.conductance = 2.0 * G, .outlet_pressure = 50.0}, {}, true);
+  EXPECT_NEAR(run({.conductance = G, .outlet_pressure = 100.0}, into("a", G), true).volume, mean.volume, 1e-12 * full);
+}
+
+/// By any number of threads, from a snapshot, a state file and a recording in which links come and go; and a link that
+/// is closed is none.
+TEST(ConnectedFluid, GoesOnBitForBit) {
+  const Model model = syringes(3);
+  const std::string path = path_for("connected.state"), recorded_at = path_for("connected.rec");
+  const auto filled = [&] {
+    Scene scene = syringe_scene(model, "abc", {5000.0, 300.0, 0.0});
+    scene.constrain_volume(content(model, "a", syringe_volume, isothermal_gas));
+    scene.constrain_volume(content(model, "b", syringe_volume, into("a", 0.0)));
+    return scene.copy();
+  };
+  for (const char* backend : {"reference", "cpu"}) {
+    Scene scene = filled();
+    const auto first = make_solver(backend, model, scene);
+    Scene apart = filled();
+    apart.set_fluid("b", {});
+    const auto alone = make_solver(backend, model, apart);
+    Recorder recorder(*first, scene);
+    recorder.step(20, 1e-4);
+    ASSERT_TRUE(alone->step(20, 1e-4).ok());
+    EXPECT_EQ(first->snapshot().state.position, alone->snapshot().state.position);
+    EXPECT_EQ(first->fluid("a"), alone->fluid("a"));
+    scene.set_fluid("b", into("a", 1e-8));
+    recorder.step(20, 1e-4);
+    scene.constrain_volume(content(model, "c", syringe_volume, into("b", 1e-8)));
+    recorder.step(20, 1e-4);
+    const double sum = fluid_sum(*first, "abc");
+    recorder.step(20, 1e-4);
+    EXPECT_EQ(fluid_sum(*first, "abc"), sum);
+    // b, into which c opened, goes, and comes anew.
+    scene.set_fluid("c", {}).set_fluid("b", {}).remove_volume("b");
+    scene.constrain_volume(content(model, "b", 0.9 * syringe_volume, into("c", 1e-8)));
+    scene.set_fluid("c", into("a", 1e-8)).set_fluid("a", into("b", 1e-8, isothermal_gas));
+    recorder.step(20, 1e-4);
+    save_recording(recorder.recording(), recorded_at);
+    Scene again(model);
+    const auto replayed = make_solver(backend, model, again);
+    const Recording recording = read_recording(recorded_at);
+    Replay(recording, *replayed, again).run();
+    EXPECT_EQ(replayed->snapshot(), first->snapshot()) << backend;
+    EXPECT_EQ(again.volume_constraints().back().fluid, scene.volume_constraints().back().fluid);
+
+    save_state(*first, path);
+    const Snapshot here = first->snapshot();
+    ASSERT_TRUE(first->step(50, 1e-4).ok());
+    for (const int threads : {1, 3}) {
+      const auto other = make_solver(backend, model, scene, {}, {.threads = threads});
+      load_state(*other, path);
+      ASSERT_TRUE(other->step(50, 1e-4).ok());
+      EXPECT_EQ(other->snapshot(), first->snapshot()) << backend << threads;
+      other->restore(here);
+      ASSERT_TRUE(other->step(50, 1e-4).ok());
+      EXPECT_EQ(other->snapshot(), first->snapshot()) << backend << threads;
+    }
+    const double volume = first->fluid("a").volume;
+    ASSERT_TRUE(first->step(1, 1e-12).ok());
+    EXPECT_EQ(first->fluid("a").volume, volume) << "in a remainder nothing flows";
+  }
+}
+
+TEST(ConnectedFluid, RefusesWhatMakesNoSense) {
+  const Model model = syringes(2);
+  Scene scene = syringe_scene(model, "ab");
+  const auto a = [&](const Fluid& fluid) { return content(model, "a", syringe_volume, fluid); };
+  EXPECT_TRUE(refuses([&] { scene.constrain_volume(a(into("b", 1e-9))); }, "constrain_volume: ", "opens_into is \"b\"",
+                      "add that one first", "set_fluid"));
+  EXPECT_TRUE(refuses([&] { scene.constrain_volume(a(into("a", 1e-9))); }, "expected another volume"));
+  scene.constrain_volume(a({})).constrain_volume(content(model, "b", syringe_volume, into("a", 0.0)));
+  EXPECT_TRUE(refuses([&] { scene.set_fluid("a", into("a", 1e-9)); }, "set_fluid: \"a\"", "another volume"));
+  EXPECT_TRUE(refuses([&] { scene.set_fluid("a", into("c", 1e-9)); }, "set_fluid: \"a\"", "opens_into is \"c\""));
+  Fluid both = into("b", 1e-9);
+  both.outlet_pressure = 5.0;
+  EXPECT_TRUE(refuses([&] { scene.set_fluid("a", both); }, "outlet_pressure of 0", "got 5"));
+  EXPECT_TRUE(refuses([&] { scene.remove_volume("a"); }, "remove_volume: \"b\" opens into \"a\"", "set_fluid"));
+  EXPECT_EQ(scene.volume_constraints().size(), 2u);
+  scene.set_fluid("a", into("b", 1e-9)).set_fluid("b", {}).remove_volume("a").remove_volume("b");
+  EXPECT_TRUE(scene.volume_constraints().empty());
+}
+
+/// Of volumes whose law and stiffness are at random: what each is left with is what fits into it at its pressure, and
+/// sums are exact; also where 1e9 times more would flow in a step than there is.
+TEST(ConnectedFluid, ExchangeFindsTheRoot) {
+  std::mt19937 bits(3);
+  const Fluid laws[] = {{}, isothermal_gas, {.law = FluidLaw::curve, .curve = {{0.5, 8000}, {0.8, 2000}, {1.0, 0}}}};
+  for (int round = 0; round < 300; ++round) {
+    FluidExchange group;
+    const int count = 2 + static_cast<int>(bits() % 4);
+    group.allocate(count);
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) {
+      const double size = 1e-5 * std::pow(10.0, uniform(bits)),
+                   yield = 1e4 * size * std::pow(10.0, 3.0 * uniform(bits));
+      const double much = size * (1.0 + 0.05 * uniform(bits));
+      group.volumes.push_back({.push = {.fluid = laws[bits() % 3], .volume = much, .dt = 1e-4, .conductance = 0.0},
+                               .reached = size,
+                               .along = {yield, uniform(bits) * 0.02 * yield * yield / size, 0.0}});
+      sum += much;
+      if (k > 0) group.links.push_back({k, static_cast<int>(bits() % k), std::pow(10.0, -7.0 + 4.0 * uniform(bits))});
+    }
+    ASSERT_EQ(group.solve(), -1) << round;
+    double left = 0.0;
+    for (const FluidExchange::Volume& own : group.volumes) {
+      left += own.left;
+      EXPECT_NEAR(own.fits(own.p).volume, own.left, 1e-9 * sum) << round;
+    }
+    EXPECT_EQ(left, sum) << round;
+  }
+}
+
+/// Its volume cannot fall below 0.75 of a unit along its gradient, and more is wanted: it stays as it is, and the other
+/// one gets no more than this sets free.
+TEST(ConnectedFluid, FlatBagGivesWhatItHas) {
+  const Fluid water, suction{.law = FluidLaw::gas, .outer_pressure = 1e3};
+  FluidExchange group;
+  group.allocate(2);
+  group.links = {{0, 1, 1.0}};
+  const double dt = 1.0;
+  group.volumes.push_back(
+      {.push = {.fluid = water, .volume = 1.01, .dt = dt}, .reached = 1.0, .along = {1.0, 1.0, 0.0}});
+  group.volumes.push_back({.push = {.fluid = suction, .volume = 1.0, .dt = dt}, .reached = 3.0});
+  ASSERT_EQ(group.solve(), -1);
+  EXPECT_TRUE(group.volumes[0].dry && group.volumes[0].flat);
+  EXPECT_NEAR(group.volumes[0].left, 1.0, 1e-12);
+  EXPECT_NEAR(group.volumes[1].left, 1.01, 1e-12);
+  EXPECT_NEAR(dt * (group.volumes[0].p - group.volumes[1].p), 0.01, 1e-9);
 }
 
 }  // namespace
