@@ -61,7 +61,7 @@ FluidExchange::Found FluidExchange::find_root() {
   const double dt = volumes.front().push.dt;
   double total = 0.0;
   for (const Volume& own : volumes) total += own.push.volume;
-  double worst = residual(p_, off_);
+  double worst = residual(p_, off_), enough = 1e-10 * total;
   for (int round = 0; round < 100 && worst > 1e-16 * total; ++round) {
     slope_.setZero();
     for (Eigen::Index k = 0; k < p_.size(); ++k) {
@@ -75,6 +75,7 @@ FluidExchange::Found FluidExchange::find_root() {
       slope_(to, from) -= dt * conductance;
     }
     if (!(yields > 1e-13 * slope_.trace())) return Found::rigid;
+    enough = 1e-10 * total + 1e-14 * slope_.trace() * p_.lpNorm<Eigen::Infinity>();
     step_ = -factors_.compute(slope_).solve(off_);
     const double downhill = off_.dot(step_);
     double next = worst;
@@ -83,11 +84,11 @@ FluidExchange::Found FluidExchange::find_root() {
       next = residual(trial_, off_);
       if (off_.dot(step_) <= -0.5 * downhill) break;
     }
-    if (!(next < worst) && worst <= enough * total) break;  // what is left is rounding
+    if (!(next < worst) && worst <= enough) break;  // what is left is rounding
     p_ = trial_;
     worst = next;
   }
-  return worst <= enough * total ? Found::root : Found::nothing;
+  return worst <= enough ? Found::root : Found::nothing;
 }
 
 /// So that nothing is lost by rounding: the volumes are multiples of the last bit of their sum, so that sums of them

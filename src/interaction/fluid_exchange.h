@@ -123,11 +123,10 @@ class FluidExchange {
 
  private:
   double residual(const Eigen::VectorXd& p, Eigen::VectorXd& to) const;  ///< its greatest component
-  enum class Found { root, rigid, nothing };  // rigid: nothing yields, so no pressure follows
+  enum class Found { root, rigid, nothing };                             // rigid: nothing yields to a pressure
   Found find_root();
   void share_out();
 
-  static constexpr double enough = 1e-10;  // of all fluid: off by less is a root
   Eigen::MatrixXd slope_;
   Eigen::VectorXd p_, trial_, off_, step_;
   Eigen::LDLT<Eigen::MatrixXd> factors_;

@@ -243,12 +243,13 @@ bool KeptVolumes::restore(Surface& surface, const FluidPush& push, TouchedPartic
     const WantedVolume all = push(at);
     return {all.volume - reached, all.slope};
   });
-  // What an opening sucks dry stays as flat as it is.
-  bool dry = !s && push.conductance > 0.0 && reached > 0.0 && push(0.0).volume < reached;
-  if (linked != nullptr) dry = linked->dry && linked->flat;
-  if (dry) s = 0.0;
   surface.next.volume = s ? push.left(*s) : push.volume;
-  if (dry && linked == nullptr) surface.next.volume = reached / fluid_ratio(surface.law, 0.0).volume;
+  // What an opening sucks dry stays as flat as it is.
+  const bool dry = !s && push.conductance > 0.0 && reached > 0.0 && push(0.0).volume < reached;
+  if (dry) {
+    s = 0.0;
+    surface.next.volume = reached / fluid_ratio(surface.law, 0.0).volume;
+  }
   surface.next.pressure = s && !dry ? push.pressure(*s) : 0.0;
   if (!s && linked != nullptr) surface.next.pressure = linked->p;  // rigid and incompressible
   surface.next.pressure_before = push.now + 0.0;                   // not -0: read()

@@ -141,27 +141,24 @@ TEST(ConnectedFluid, PressedBagFillsTheOther) {
   }
 }
 
-/// Under pistons that press at 500, 300 and 0 Pa, G (500 - 300) and G (300 - 0) m^3/s flow on.
+/// From a through b and c into d, whose pistons press at 500, 300, 200 and 0 Pa.
 TEST(ConnectedFluid, FlowsAlongAChain) {
-  const Model model = syringes(3);
+  const Model model = syringes(4);
   const double G = 1e-9;
   for (const Fluid& fluid : {Fluid{}, Fluid{.law = FluidLaw::gas, .outer_pressure = 1e6}}) {
-    Scene scene = syringe_scene(model, "abc", {500.0, 300.0, 0.0});
-    for (const char* name : {"c", "b", "a"}) {
-      const Fluid own = *name == 'c' ? fluid : into(*name == 'b' ? "c" : "b", G, fluid);
-      scene.constrain_volume(content(model, name, syringe_volume, own));
-    }
-    const auto solver = make_solver("reference", model, scene, {}, damped(50.0));
+    Scene scene = syringe_scene(model, "abcd", {500.0, 300.0, 200.0, 0.0});
+    for (const char* name : {"a", "c", "d", "b"}) scene.constrain_volume(content(model, name, syringe_volume, fluid));
+    scene.set_fluid("a", into("b", G, fluid)).set_fluid("b", into("c", G, fluid)).set_fluid("c", into("d", G, fluid));
+    const auto solver = make_solver("reference", model, scene, {}, damped(20.0));
     ASSERT_TRUE(solver->step(600, 5e-4).ok());
-    double before[3];
-    for (int k = 0; k < 3; ++k) before[k] = solver->fluid(std::string(1, static_cast<char>('a' + k))).volume;
+    const State before = solver->read();
     ASSERT_TRUE(solver->step(400, 5e-4).ok());
-    const double rates[3] = {-200.0 * G, -100.0 * G, 300.0 * G};
-    for (int k = 0; k < 3; ++k) {
-      const double now = solver->fluid(std::string(1, static_cast<char>('a' + k))).volume;
-      EXPECT_NEAR((now - before[k]) / 0.2, rates[k], 1e-2 * 300.0 * G) << k;
+    const double rates[] = {-200.0 * G, -100.0 * G, 200.0 * G, 100.0 * G};
+    for (int row = 0; row < 4; ++row) {
+      const FluidState& was = before.fluids[row];
+      EXPECT_NEAR((solver->fluid(was.name).volume - was.volume) / 0.2, rates[row], 2.0 * G) << was.name;
     }
-    EXPECT_EQ(fluid_sum(*solver, "abc"), syringe_volume + syringe_volume + syringe_volume);
+    EXPECT_EQ(fluid_sum(*solver, "abcd"), 4.0 * syringe_volume);
   }
 }
 
@@ -301,9 +298,22 @@ TEST(ConnectedFluid, GoesOnBitForBit) {
       ASSERT_TRUE(other->step(50, 1e-4).ok());
       EXPECT_EQ(other->snapshot(), first->snapshot()) << backend << threads;
     }
-    const double volume = first->fluid("a").volume;
-    ASSERT_TRUE(first->step(1, 1e-12).ok());
-    EXPECT_EQ(first->fluid("a").volume, volume) << "in a remainder nothing flows";
+    const auto other = make_solver(backend, model, scene);
+    load_state(*other, path);
+    ASSERT_TRUE(other->step(50, 1e-4).ok());
+    // In a remainder they are as closed ones; and a scene may begin with fluids that open into later ones.
+    ASSERT_TRUE(first->step(1, 5e-8).ok());
+    const State after_remainder = first->read();
+    Recorder later(*first, scene);
+    later.step(10, 1e-4);
+    Scene third(model);
+    const auto begun = make_solver(backend, model, third);
+    Replay(later.recording(), *begun, third).run();
+    EXPECT_EQ(begun->snapshot(), first->snapshot()) << backend;
+    scene.set_fluid("a", isothermal_gas).set_fluid("b", {}).set_fluid("c", {});
+    ASSERT_TRUE(other->step(1, 5e-8).ok());
+    EXPECT_EQ(other->fluid("a"), after_remainder.fluids[0]) << backend;
+    EXPECT_EQ(other->read().velocity, after_remainder.velocity) << backend;
   }
 }
 
@@ -326,12 +336,15 @@ TEST(ConnectedFluid, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(scene.volume_constraints().empty());
 }
 
-/// Of volumes whose law and stiffness are at random: what each is left with is what fits into it at its pressure, and
-/// sums are exact; also where 1e9 times more would flow in a step than there is.
+/// Of volumes whose law, stiffness and filling are at random: what each is left with is what fits into it at its
+/// pressure, and sums are exact; also where 1e9 times more would flow in a step than there is. Nearly all have a root
+/// before one would be inside out.
 TEST(ConnectedFluid, ExchangeFindsTheRoot) {
   std::mt19937 bits(3);
-  const Fluid laws[] = {{}, isothermal_gas, {.law = FluidLaw::curve, .curve = {{0.5, 8000}, {0.8, 2000}, {1.0, 0}}}};
-  for (int round = 0; round < 300; ++round) {
+  const Fluid laws[] = {
+      {}, isothermal_gas, {.law = FluidLaw::curve, .curve = {{0.5, 8000}, {0.8, 2000}, {0.81, 100}, {1.001, -5000}}}};
+  int lost = 0;
+  for (int round = 0; round < 2000; ++round) {
     FluidExchange group;
     const int count = 2 + static_cast<int>(bits() % 4);
     group.allocate(count);
@@ -339,39 +352,62 @@ TEST(ConnectedFluid, ExchangeFindsTheRoot) {
     for (int k = 0; k < count; ++k) {
       const double size = 1e-5 * std::pow(10.0, uniform(bits)),
                    yield = 1e4 * size * std::pow(10.0, 3.0 * uniform(bits));
-      const double much = size * (1.0 + 0.05 * uniform(bits));
-      group.volumes.push_back({.push = {.fluid = laws[bits() % 3], .volume = much, .dt = 1e-4, .conductance = 0.0},
+      const double much = size * (1.0 + 0.9 * uniform(bits));
+      group.volumes.push_back({.push = {.fluid = laws[bits() % 3], .volume = much, .dt = 1e-4},
                                .reached = size,
-                               .along = {yield, uniform(bits) * 0.02 * yield * yield / size, 0.0}});
+                               .along = {yield, uniform(bits) * 0.3 * yield * yield / size, 0.0}});
       sum += much;
       if (k > 0) group.links.push_back({k, static_cast<int>(bits() % k), std::pow(10.0, -7.0 + 4.0 * uniform(bits))});
     }
-    ASSERT_EQ(group.solve(), -1) << round;
+    if (group.solve() >= 0) {
+      ++lost;
+      continue;
+    }
     double left = 0.0;
     for (const FluidExchange::Volume& own : group.volumes) {
       left += own.left;
-      EXPECT_NEAR(own.fits(own.p).volume, own.left, 1e-9 * sum) << round;
+      ASSERT_NEAR(own.fits(own.p).volume, own.left, 1e-9 * sum) << round;
     }
-    EXPECT_EQ(left, sum) << round;
+    ASSERT_EQ(left, sum) << round;
   }
+  EXPECT_LT(lost, 60);
 }
 
-/// Its volume cannot fall below 0.75 of a unit along its gradient, and more is wanted: it stays as it is, and the other
-/// one gets no more than this sets free.
-TEST(ConnectedFluid, FlatBagGivesWhatItHas) {
-  const Fluid water, suction{.law = FluidLaw::gas, .outer_pressure = 1e3};
-  FluidExchange group;
-  group.allocate(2);
-  group.links = {{0, 1, 1.0}};
-  const double dt = 1.0;
-  group.volumes.push_back(
-      {.push = {.fluid = water, .volume = 1.01, .dt = dt}, .reached = 1.0, .along = {1.0, 1.0, 0.0}});
-  group.volumes.push_back({.push = {.fluid = suction, .volume = 1.0, .dt = dt}, .reached = 3.0});
-  ASSERT_EQ(group.solve(), -1);
-  EXPECT_TRUE(group.volumes[0].dry && group.volumes[0].flat);
-  EXPECT_NEAR(group.volumes[0].left, 1.0, 1e-12);
-  EXPECT_NEAR(group.volumes[1].left, 1.01, 1e-12);
-  EXPECT_NEAR(dt * (group.volumes[0].p - group.volumes[1].p), 0.01, 1e-9);
+struct Pair : FluidExchange {
+  Fluid laws[2];
+  Pair(const Volume& from, const Volume& to) : laws{from.push.fluid, to.push.fluid} {
+    allocate(2);
+    links = {{0, 1, 1.0}};
+    for (const Volume& own : {from, to}) {
+      const FluidPush& push = own.push;
+      volumes.push_back({.push = {.fluid = laws[volumes.size()], .volume = push.volume, .dt = 1.0},
+                         .reached = own.reached,
+                         .along = own.along});
+    }
+  }
+};
+
+/// A second volume, rigid, wants more than the first can give along its gradient: what is flat at 0.75, what holds a
+/// thousandth, and what is rigid too. One that cannot become larger than 1.25 takes no more.
+TEST(ConnectedFluid, VolumesGiveWhatTheyHave) {
+  const Fluid water, air{.law = FluidLaw::gas, .outer_pressure = 1e3};
+  const FluidExchange::Volume sucks{.push = {.fluid = air, .volume = 1.0}, .reached = 3.0},
+      full{.push = {.fluid = water, .volume = 3.0}, .reached = 2.0, .along = {1.0, 0.0, 0.0}};
+  Pair flat({.push = {.fluid = water, .volume = 1.01}, .reached = 1.0, .along = {1.0, 1.0, 0.0}}, sucks);
+  ASSERT_EQ(flat.solve(), -1);
+  EXPECT_NEAR(flat.volumes[0].left, 1.0, 1e-12);
+  EXPECT_NEAR(flat.volumes[1].left, 1.01, 1e-12);
+  EXPECT_NEAR(flat.volumes[0].p - flat.volumes[1].p, 0.01, 1e-9);
+  Pair empty({.push = {.fluid = water, .volume = 1.0}, .reached = 1.0, .along = {1.0, 0.0, 0.0}}, sucks);
+  ASSERT_EQ(empty.solve(), -1);
+  EXPECT_NEAR(empty.volumes[0].left, 1e-3, 1e-12);
+  Pair rigid({.push = {.fluid = water, .volume = 1.0}, .reached = 1.0},
+             {.push = {.fluid = water, .volume = 2.0}, .reached = 2.0 + 1e-9});
+  ASSERT_EQ(rigid.solve(), -1);
+  EXPECT_EQ(rigid.volumes[1].left, 2.0);
+  Pair bursting({.push = {.fluid = water, .volume = 1.0}, .reached = 1.0, .along = {1.0, -1.0, 0.0}}, full);
+  bursting.volumes[1].along[0] = 1e-3;
+  EXPECT_EQ(bursting.solve(), 0);
 }
 
 }  // namespace
