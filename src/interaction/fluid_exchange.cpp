@@ -91,22 +91,17 @@ FluidExchange::Found FluidExchange::find_root() {
   return worst <= enough ? Found::root : Found::nothing;
 }
 
-/// So that nothing is lost by rounding: the volumes are multiples of the last bit of their sum, so that sums of them
-/// are exact; the largest one takes what rounding leaves over.
+/// By what fits, which is more exact than flows where conductances are extreme. So that nothing is lost by rounding,
+/// the volumes are multiples of the last bit of their sum, so that sums of them are exact; the largest one takes what
+/// is left over.
 void FluidExchange::share_out() {
   double total = 0.0;
-  for (Volume& own : volumes) total += own.left = own.push.volume;
-  for (const Link& link : links) {
-    const double flows = volumes[link.from].push.dt * link.conductance * (p_[link.from] - p_[link.to]);
-    volumes[link.from].left -= flows;
-    volumes[link.to].left += flows;
-  }
+  for (const Volume& own : volumes) total += own.push.volume;
   for (Eigen::Index k = 0; k < p_.size(); ++k) {
     Volume& own = volumes[k];
-    const double leaves = own.push.dt * own.conductance * (p_[k] - own.outlet_pressure);
-    own.left -= leaves;
-    total -= leaves;
     own.p = p_[k];
+    own.left = own.fits(own.p).volume;
+    total -= own.push.dt * own.conductance * (own.p - own.outlet_pressure);
   }
   const double grid = std::ldexp(1.0, std::ilogb(total) - 52);
   const auto largest = std::ranges::max_element(volumes, {}, &Volume::left);

@@ -118,13 +118,12 @@ TEST(ConnectedFluid, PressedBagFillsTheOther) {
     scene.tool("below").move_to({.position = {0, 0, -0.6 * radius - 0.01}});
     scene.tool("above").move_to({.position = {0, 0, 0.6 * radius + 0.01}});
     const auto steps = static_cast<int>(1.0 / dt);
-    double before = full, most = 0.0;
+    double before = full;
     for (int k = 0; k < steps; ++k) {
       ASSERT_TRUE(solver->step(1, dt).ok());
       ASSERT_EQ(fluid_sum(*solver, "ab"), sum);
       const FluidState& b = solver->fluid("b");
       const double drop = solver->fluid("a").pressure - b.pressure;
-      most = std::max(most, drop);
       if (conductance < 1e-6) {
         ASSERT_NEAR(b.volume - before, dt * conductance * drop, 1e-9 * full);
       }
@@ -212,9 +211,7 @@ TEST(ConnectedFluid, BagIsSuckedThroughAnother) {
   EXPECT_LT(solver->fluid("a").volume, 1e-9 * full);
   EXPECT_NEAR(solver->fluid("b").pressure, -2000.0, 1.0);
   scene.set_fluid("b", {});
-  const double sum = fluid_sum(*solver, "ab");
   ASSERT_TRUE(solver->step(200, dt).ok());
-  EXPECT_EQ(fluid_sum(*solver, "ab"), sum);
   EXPECT_NEAR(solver->fluid("a").pressure, solver->fluid("b").pressure, 1e-3);
 }
 
@@ -249,17 +246,13 @@ TEST(ConnectedFluid, CutBagIsTheOutside) {
 TEST(ConnectedFluid, GoesOnBitForBit) {
   const Model model = syringes(3);
   const std::string path = path_for("connected.state"), recorded_at = path_for("connected.rec");
-  const auto filled = [&] {
+  for (const char* backend : {"reference", "cpu"}) {
     Scene scene = syringe_scene(model, "abc", {5000.0, 300.0, 0.0});
     scene.constrain_volume(content(model, "a", syringe_volume, isothermal_gas));
-    scene.constrain_volume(content(model, "b", syringe_volume, into("a", 0.0)));
-    return scene.copy();
-  };
-  for (const char* backend : {"reference", "cpu"}) {
-    Scene scene = filled();
+    scene.constrain_volume(content(model, "b", syringe_volume));
+    const Scene apart = scene.copy();
+    scene.set_fluid("b", into("a", 0.0));
     const auto first = make_solver(backend, model, scene);
-    Scene apart = filled();
-    apart.set_fluid("b", {});
     const auto alone = make_solver(backend, model, apart);
     Recorder recorder(*first, scene);
     recorder.step(20, 1e-4);
@@ -270,9 +263,6 @@ TEST(ConnectedFluid, GoesOnBitForBit) {
     recorder.step(20, 1e-4);
     scene.constrain_volume(content(model, "c", syringe_volume, into("b", 1e-8)));
     recorder.step(20, 1e-4);
-    const double sum = fluid_sum(*first, "abc");
-    recorder.step(20, 1e-4);
-    EXPECT_EQ(fluid_sum(*first, "abc"), sum);
     // b, into which c opened, goes, and comes anew.
     scene.set_fluid("c", {}).set_fluid("b", {}).remove_volume("b");
     scene.constrain_volume(content(model, "b", 0.9 * syringe_volume, into("c", 1e-8)));
@@ -281,16 +271,16 @@ TEST(ConnectedFluid, GoesOnBitForBit) {
     save_recording(recorder.recording(), recorded_at);
     Scene again(model);
     const auto replayed = make_solver(backend, model, again);
-    const Recording recording = read_recording(recorded_at);
-    Replay(recording, *replayed, again).run();
+    Replay(read_recording(recorded_at), *replayed, again).run();
     EXPECT_EQ(replayed->snapshot(), first->snapshot()) << backend;
     EXPECT_EQ(again.volume_constraints().back().fluid, scene.volume_constraints().back().fluid);
 
     save_state(*first, path);
     const Snapshot here = first->snapshot();
     ASSERT_TRUE(first->step(50, 1e-4).ok());
+    std::unique_ptr<Solver> other;
     for (const int threads : {1, 3}) {
-      const auto other = make_solver(backend, model, scene, {}, {.threads = threads});
+      other = make_solver(backend, model, scene, {}, {.threads = threads});
       load_state(*other, path);
       ASSERT_TRUE(other->step(50, 1e-4).ok());
       EXPECT_EQ(other->snapshot(), first->snapshot()) << backend << threads;
@@ -298,9 +288,6 @@ TEST(ConnectedFluid, GoesOnBitForBit) {
       ASSERT_TRUE(other->step(50, 1e-4).ok());
       EXPECT_EQ(other->snapshot(), first->snapshot()) << backend << threads;
     }
-    const auto other = make_solver(backend, model, scene);
-    load_state(*other, path);
-    ASSERT_TRUE(other->step(50, 1e-4).ok());
     // In a remainder they are as closed ones; and a scene may begin with fluids that open into later ones.
     ASSERT_TRUE(first->step(1, 5e-8).ok());
     const State after_remainder = first->read();
@@ -331,7 +318,6 @@ TEST(ConnectedFluid, RefusesWhatMakesNoSense) {
   both.outlet_pressure = 5.0;
   EXPECT_TRUE(refuses([&] { scene.set_fluid("a", both); }, "outlet_pressure of 0", "got 5"));
   EXPECT_TRUE(refuses([&] { scene.remove_volume("a"); }, "remove_volume: \"b\" opens into \"a\"", "set_fluid"));
-  EXPECT_EQ(scene.volume_constraints().size(), 2u);
   scene.set_fluid("a", into("b", 1e-9)).set_fluid("b", {}).remove_volume("a").remove_volume("b");
   EXPECT_TRUE(scene.volume_constraints().empty());
 }
@@ -355,22 +341,20 @@ TEST(ConnectedFluid, ExchangeFindsTheRoot) {
       const double much = size * (1.0 + 0.9 * uniform(bits));
       group.volumes.push_back({.push = {.fluid = laws[bits() % 3], .volume = much, .dt = 1e-4},
                                .reached = size,
-                               .along = {yield, uniform(bits) * 0.3 * yield * yield / size, 0.0}});
+                               .along = {yield, uniform(bits) * 0.3 * yield * yield / size, 0.0},
+                               .p = 1e4 * uniform(bits)});
       sum += much;
       if (k > 0) group.links.push_back({k, static_cast<int>(bits() % k), std::pow(10.0, -7.0 + 4.0 * uniform(bits))});
     }
-    if (group.solve() >= 0) {
-      ++lost;
-      continue;
-    }
-    double left = 0.0;
+    const bool found = group.solve() < 0;
+    lost += !found;
     for (const FluidExchange::Volume& own : group.volumes) {
-      left += own.left;
-      ASSERT_NEAR(own.fits(own.p).volume, own.left, 1e-9 * sum) << round;
+      ASSERT_NEAR(found ? own.fits(own.p).volume : own.left, own.left, 1e-9 * sum) << round;
+      sum -= own.left;
     }
-    ASSERT_EQ(left, sum) << round;
+    ASSERT_TRUE(sum == 0.0 || !found) << round;
   }
-  EXPECT_LT(lost, 60);
+  EXPECT_LT(lost, 40);
 }
 
 struct Pair : FluidExchange {
@@ -388,7 +372,7 @@ struct Pair : FluidExchange {
 };
 
 /// A second volume, rigid, wants more than the first can give along its gradient: what is flat at 0.75, what holds a
-/// thousandth, and what is rigid too. One that cannot become larger than 1.25 takes no more.
+/// thousandth, and what is rigid too. What is inside out has nothing. One that cannot exceed 1.25 takes no more.
 TEST(ConnectedFluid, VolumesGiveWhatTheyHave) {
   const Fluid water, air{.law = FluidLaw::gas, .outer_pressure = 1e3};
   const FluidExchange::Volume sucks{.push = {.fluid = air, .volume = 1.0}, .reached = 3.0},
@@ -405,6 +389,8 @@ TEST(ConnectedFluid, VolumesGiveWhatTheyHave) {
              {.push = {.fluid = water, .volume = 2.0}, .reached = 2.0 + 1e-9});
   ASSERT_EQ(rigid.solve(), -1);
   EXPECT_EQ(rigid.volumes[1].left, 2.0);
+  Pair inverted({.push = {.fluid = water, .volume = 1.0}, .reached = -0.5, .along = {1.0, 0.0, -4.0}}, sucks);
+  EXPECT_EQ(inverted.solve(), 0);
   Pair bursting({.push = {.fluid = water, .volume = 1.0}, .reached = 1.0, .along = {1.0, -1.0, 0.0}}, full);
   bursting.volumes[1].along[0] = 1e-3;
   EXPECT_EQ(bursting.solve(), 0);
