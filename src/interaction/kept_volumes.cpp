@@ -183,7 +183,7 @@ int KeptVolumes::restore(Group& group, TouchedParticles& touched) {
   int lost = group.exchange.solve();
   for (std::size_t k = 0; k < volumes.size() && lost < 0; ++k) {
     volumes[k].push.volume = volumes[k].left;
-    if (!restore(surfaces_[group.rows[k]], volumes[k].push, touched, &volumes[k])) lost = static_cast<int>(k);
+    if (!restore(surfaces_[group.rows[k]], volumes[k].push, touched, volumes[k].p)) lost = static_cast<int>(k);
   }
   return lost < 0 ? -1 : static_cast<int>(group.rows[lost]);
 }
@@ -236,8 +236,7 @@ FluidPush KeptVolumes::predicted(Surface& surface, TouchedParticles& touched) {
   return push;
 }
 
-bool KeptVolumes::restore(Surface& surface, const FluidPush& push, TouchedParticles& touched,
-                          const FluidExchange::Volume* linked) {
+bool KeptVolumes::restore(Surface& surface, const FluidPush& push, TouchedParticles& touched, double otherwise) {
   const double reached = surface.reached;
   auto s = root_of_cubic(surface.cubic, [&](double at) -> WantedVolume {
     const WantedVolume all = push(at);
@@ -250,9 +249,8 @@ bool KeptVolumes::restore(Surface& surface, const FluidPush& push, TouchedPartic
     s = 0.0;
     surface.next.volume = reached / fluid_ratio(surface.law, 0.0).volume;
   }
-  surface.next.pressure = s && !dry ? push.pressure(*s) : 0.0;
-  if (!s && linked != nullptr) surface.next.pressure = linked->p;  // rigid and incompressible
-  surface.next.pressure_before = push.now + 0.0;                   // not -0: read()
+  surface.next.pressure = s && !dry ? push.pressure(*s) : otherwise;
+  surface.next.pressure_before = push.now + 0.0;  // not -0: read()
   // Where nothing is free to make up for it, what a backend in single precision rounds is not a loss; nor is what is no
   // number, whose particle is found out elsewhere.
   if (!s) return !(std::abs(push.volume - reached) > rounded_volume_share * push.volume);

@@ -55,9 +55,8 @@ class KeptVolumes {
   };
   void find_groups(const Scene& scene);
   static FluidPush predicted(Surface& surface, TouchedParticles& touched);
-  /// `linked`: of a volume of a group, what follows for it.
-  static bool restore(Surface& surface, const FluidPush& push, TouchedParticles& touched,
-                      const FluidExchange::Volume* linked = nullptr);
+  /// `otherwise`: Pa, the pressure if nothing is free to move.
+  static bool restore(Surface& surface, const FluidPush& push, TouchedParticles& touched, double otherwise = 0.0);
   int restore(Group& group, TouchedParticles& touched);
 
   std::vector<Surface> surfaces_;
