@@ -23,13 +23,13 @@ void volume_fields(Bytes& bytes, Kept& all) {
   });
 }
 
-void law_fields(ByteWriter& out, const Fluid& fluid) {
+void fluid_law_fields(ByteWriter& out, const Fluid& fluid) {
   const bool opens = !fluid.opens_into.empty();
   code(out, static_cast<FluidLaw>(static_cast<int>(fluid.law) + (opens ? into_another : 0)), "");
   if (opens) out.text(fluid.opens_into);
 }
 
-void law_fields(ByteReader& in, Fluid& fluid) {
+void fluid_law_fields(ByteReader& in, Fluid& fluid) {
   code(in, fluid.law, "a law of a fluid");
   if (static_cast<int>(fluid.law) < into_another) return;
   fluid.law = static_cast<FluidLaw>(static_cast<int>(fluid.law) - into_another);
@@ -40,7 +40,7 @@ void law_fields(ByteReader& in, Fluid& fluid) {
 template <class Bytes, class Constraint>
 void fluid_fields_of(Bytes& bytes, Constraint& kept) {
   bytes.field(kept.name, "a name");
-  law_fields(bytes, kept.fluid);
+  fluid_law_fields(bytes, kept.fluid);
   for (auto* value :
        {&kept.fluid.outer_pressure, &kept.fluid.exponent, &kept.fluid.conductance, &kept.fluid.outlet_pressure}) {
     bytes.field(*value, "a constant of a fluid");

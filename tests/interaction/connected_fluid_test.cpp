@@ -7,9 +7,9 @@
 
 #include "interaction/fluid_exchange.h"
 #include "model/enclosed_volume.h"
-#include "support/cut_walls.h"
 #include "support/run_scenes.h"
 #include "support/text_file.h"
+#include "support/wall_cases.h"
 
 namespace phymul::test {
 namespace {
@@ -80,7 +80,7 @@ const Fluid isothermal_gas{.law = FluidLaw::gas, .outer_pressure = 2e4};
 /// tau) with tau = V / (2 G P); the order of the two and how the conductance is shared between them are all one.
 TEST(ConnectedFluid, RigidGasesRelaxExponentially) {
   const Model model = syringes(2);
-  const double G = 1e-8, tau = syringe_volume / (2.0 * G * 2e4), dt = tau / 1000.0;
+  const double G = 1e-8, tau = syringe_volume / (2.0 * G * 2e4), dt = tau / 500.0;
   for (const char* backend : {"reference", "cpu"}) {
     for (const double backward : {0.0, 0.3, 1.0}) {
       Scene scene = syringe_scene(model, "");
@@ -89,7 +89,7 @@ TEST(ConnectedFluid, RigidGasesRelaxExponentially) {
       scene.set_fluid("a", into("b", (1.0 - backward) * G, isothermal_gas));
       const auto solver = make_solver(backend, model, scene);
       const double sum = 1.3 * syringe_volume + 0.8 * syringe_volume, start = 2e4 * 0.5;
-      for (int k = 1; k <= 2000; ++k) {
+      for (int k = 1; k <= 1000; ++k) {
         ASSERT_TRUE(solver->step(1, dt).ok());
         ASSERT_EQ(fluid_sum(*solver, "ab"), sum) << k;
         const double difference = solver->fluid("a").pressure - solver->fluid("b").pressure;
@@ -218,11 +218,11 @@ TEST(ConnectedFluid, BagIsSuckedThroughAnother) {
 /// What opens into a bag that is cut flows out as through an opening to the outside, and so does what a cut one opens
 /// into; beside an opening that there is.
 TEST(ConnectedFluid, CutBagIsTheOutside) {
-  const Model one = sphere(), two = moved(one, {0.2, 0, 0});
+  const Model one = wall_of(sphere_surface(0.05, 5), 20e3, 0.4, 2e-3), two = moved(one, {0.2, 0, 0});
   const Model body = with_spare_particles(merge_models(std::vector<NamedBody>{{"a", &one}, {"b", &two}}), 300);
   const double full = 1.1 * enclosed_volume(surface_triangles(one), one.rest), G = 1e-6;
   const auto run = [&](const Fluid& of_a, const Fluid& of_b, bool opened) {
-    Simulation sim(body, without_material("cpu"));
+    Simulation sim(body, {.backend = "cpu", .damping = {.rate = 20}});
     sim.scene().constrain_volume(content(body, "a", full)).constrain_volume(content(body, "b", full));
     sim.scene().set_fluid("a", of_a).set_fluid("b", of_b);
     EXPECT_TRUE(sim.cut(cut_plane({0.21, 0.0, 0.0}, {1.0, 0.1, 0.1})));
@@ -323,7 +323,7 @@ TEST(ConnectedFluid, RefusesWhatMakesNoSense) {
 }
 
 /// Of volumes whose law, stiffness and filling are at random: what each is left with is what fits into it at its
-/// pressure, and sums are exact; also where 1e9 times more would flow in a step than there is. Nearly all have a root
+/// pressure, and sums are exact; also where 1e13 times more would flow in a step than there is. Nearly all have a root
 /// before one would be inside out.
 TEST(ConnectedFluid, ExchangeFindsTheRoot) {
   std::mt19937 bits(3);
@@ -344,7 +344,7 @@ TEST(ConnectedFluid, ExchangeFindsTheRoot) {
                                .along = {yield, uniform(bits) * 0.3 * yield * yield / size, 0.0},
                                .p = 1e4 * uniform(bits)});
       sum += much;
-      if (k > 0) group.links.push_back({k, static_cast<int>(bits() % k), std::pow(10.0, -7.0 + 4.0 * uniform(bits))});
+      if (k > 0) group.links.push_back({k, static_cast<int>(bits() % k), std::pow(10.0, -7.0 + 8.0 * uniform(bits))});
     }
     const bool found = group.solve() < 0;
     lost += !found;
@@ -354,7 +354,7 @@ TEST(ConnectedFluid, ExchangeFindsTheRoot) {
     }
     ASSERT_TRUE(sum == 0.0 || !found) << round;
   }
-  EXPECT_LT(lost, 40);
+  EXPECT_LE(lost, 45);
 }
 
 struct Pair : FluidExchange {
