@@ -222,6 +222,38 @@ void ThreadRod::iterate(std::span<const Push> pushes) {
   }
 }
 
+void ThreadRod::respond(const Point& point, const Point* opposite, VecList& response) const {
+  const std::size_t n = value_.size();
+  response.assign(n, Vec3::Zero());
+  std::size_t first = n;
+  for (const auto& [at, sign] : {std::pair(&point, 1.0), std::pair(opposite, -1.0)}) {
+    if (at == nullptr) continue;
+    for (const std::size_t end : {0, 1}) {
+      const std::size_t node = static_cast<std::size_t>(at->segment) + end;
+      for (int a = 0; a < 3; ++a) {
+        if ((given_[node] >> a & 1) == 0) response[4 * node + a][a] += sign * at->weight(end);
+      }
+      first = std::min(first, 4 * node);
+    }
+  }
+  for (std::size_t j = first; j < n; ++j) {
+    const std::size_t below = std::min<std::size_t>(band, n - 1 - j);
+    for (std::size_t i = 1; i <= below; ++i) response[j + i] -= matrix_[(j + i) * row + band - i] * response[j];
+    response[j] /= matrix_[j * row + band];
+  }
+  for (std::size_t j = n; j-- > 0;) {
+    const std::size_t below = std::min<std::size_t>(band, n - 1 - j);
+    for (std::size_t i = 1; i <= below; ++i) response[j] -= matrix_[(j + i) * row + band - i] * response[j + i];
+  }
+}
+
+void ThreadRod::add(const VecList& response, const Vec3& force) {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    for (std::size_t a = 0; a < 3; ++a) way_[i][a] += response[4 * i + a].dot(force);
+    if (i + 1 < place_.size() && !state_.broken[i]) tension_[i] += response[4 * i + 3].dot(force);
+  }
+}
+
 bool ThreadRod::has_settled() const {
   for (std::size_t k = 0; k < tension_.size(); ++k) {
     const double length = ((place_[k + 1] - place_[k]) + (way_[k + 1] - way_[k])).norm();

@@ -44,11 +44,23 @@ class ThreadRod {
   /// The parts of solve(); iterate() improves on the ways that are there.
   void start_newton();
   void iterate(std::span<const Push> pushes = {});
+  /// A place on a segment: a share of the way from its first node to its last.
+  struct Point {
+    Index segment = 0;
+    double share = 0.0;
+    double weight(std::size_t end) const { return end == 0 ? 1.0 - share : share; }  ///< of the node at an end
+  };
+  /// How ways and tensions of the last iterate() answer to a force on a point and its opposite on another one, if
+  /// given: [4 N], rows as in the matrix, columns by the force's axes.
+  void respond(const Point& point, const Point* opposite, VecList& response) const;
+  void add(const VecList& response, const Vec3& force);       ///< N: as if the last iterate() had had it
   void touch(VecList forces) { touch_ = std::move(forces); }  ///< N [N], or empty: ThreadState::touch of the step
 
   Vec3 way(Index node) const { return way_[node]; }             ///< m, of the last iteration
   const Vec3& place(Index node) const { return place_[node]; }  ///< m, at the step's start
   bool has_settled() const;                                     ///< segments are as long as their tensions say
+  bool is_broken(Index segment) const { return state_.broken[segment] != 0; }
+  double segment() const { return segment_; }  ///< m
   bool is_given(Index node) const { return given_[node] != 0; }
   /// N, of the thread on what holds a tip, by tension and bending after solve().
   Vec3 force_at(ThreadTip tip) const;

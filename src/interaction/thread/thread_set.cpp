@@ -48,6 +48,7 @@ void ThreadSet::follow(const Scene& scene, FollowedSurface& surface) {
   }
   threads_ = std::move(now);
   gravity_ = scene.gravity();
+  crossings_.forget();
   find_together();
 }
 
@@ -63,6 +64,7 @@ void ThreadSet::reset(const Scene& scene, const State& state) {
     threads_[row].contacts = std::move(contacts);
   }
   steps_left_ = 1;
+  crossings_.forget();
   find_together();
 }
 
@@ -131,63 +133,131 @@ ThreadSet::Tip ThreadSet::tip_of(const ThreadEnd& end, const Vec3* at, TouchedPa
   return tip;
 }
 
-void ThreadSet::act(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
-                    std::span<const ThreadSupport> supports) const {
+/// `together`: rows of the threads that are solved with it.
+ThreadSet::Begun ThreadSet::begun(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
+                                  std::span<const std::size_t> together) const {
   ThreadRod& rod = std::get<ThreadRod>(thread.body);
   const ThreadControl& control = thread.control;
-  const double dt = touched.dt();
-  std::array<Tip, 2> tips;
-  std::array<bool, 2> joined{};  // not to a needle that was let go
-  std::array<Vec3, 2> mobility;
-  rod.begin(dt, gravity_);
+  Begun now{.thread = &thread};
+  rod.begin(touched.dt(), gravity_);
   const std::array ends{Index{0}, rod.last()};
   for (const std::size_t t : {0, 1}) {
     const ThreadEnd& end = control.ends[t];
-    if (end.hold == TipHold::anchored) tips[t] = tip_of(end, &rod.state().position[ends[t]], touched, find_tool);
-    joined[t] = end.hold == TipHold::anchored && !tips[t].tool.is_free;
-    if (!joined[t]) {
+    Tip& tip = now.tips[t];
+    if (end.hold == TipHold::anchored) tip = tip_of(end, &rod.state().position[ends[t]], touched, find_tool);
+    now.joined[t] = end.hold == TipHold::anchored && !tip.tool.is_free;
+    if (!now.joined[t]) {
       rod.load(ends[t], end.force);
       continue;
     }
-    if (!tips[t].in_body) {
-      rod.give(ends[t], tips[t].way);
+    if (!tip.in_body) {
+      rod.give(ends[t], tip.way);
       continue;
     }
-    // What both tips share moves both: by no less than this, so that neither is pushed too far.
-    mobility[t] = mobility_between(touched, end.anchor, end.anchor);
-    mobility[t] += mobility_between(touched, end.anchor, control.ends[1 - t].anchor).cwiseAbs();
-    rod.attach(ends[t], tips[t].place, tips[t].way, mobility[t]);
+    // What several tips share moves all of them: by no less than this, so that none is pushed too far.
+    now.mobility[t] = mobility_between(touched, end.anchor, end.anchor);
+    now.mobility[t] += mobility_between(touched, end.anchor, control.ends[1 - t].anchor).cwiseAbs();
+    for (const std::size_t row : together) {
+      if (&threads_[row] == &thread) continue;
+      for (const ThreadEnd& other : threads_[row].control.ends) {
+        now.mobility[t] += mobility_between(touched, end.anchor, other.anchor).cwiseAbs();
+      }
+    }
+    rod.attach(ends[t], tip.place, tip.way, now.mobility[t]);
   }
   for (const HeldNode& held : control.held) {
     rod.give(held.node, (held.position - rod.state().position[held.node]) / steps_left_);
   }
-  if (thread.contacts) {
-    std::vector<ThreadSupport> others;
-    for (const ThreadSupport& support : supports) {
-      const auto is_own = [&](std::size_t t) { return joined[t] && control.ends[t].anchor.tool == support.tool; };
-      if (!is_own(0) && !is_own(1)) others.push_back(support);
-    }
-    const auto spared = [&](std::size_t t) { return joined[t] && tips[t].in_body ? nodes_in_tissue : 0; };
-    thread.contacts->solve(rod, others, spared(0), rod.last() - spared(1), touched);
-  } else {
-    rod.solve();
+  return now;
+}
+
+ThreadContacts::Lying ThreadSet::lying(const Begun& begun, std::span<const ThreadSupport> supports) {
+  Moving& thread = *begun.thread;
+  ThreadRod& rod = std::get<ThreadRod>(thread.body);
+  const auto spared = [&](std::size_t t) { return begun.joined[t] && begun.tips[t].in_body ? nodes_in_tissue : 0; };
+  ThreadContacts::Lying lying{
+      .rod = &rod, .contacts = &*thread.contacts, .first = spared(0), .last = rod.last() - spared(1)};
+  for (const ThreadSupport& support : supports) {
+    const auto is_own = [&](std::size_t t) {
+      return begun.joined[t] && thread.control.ends[t].anchor.tool == support.tool;
+    };
+    if (!is_own(0) && !is_own(1)) lying.tools.push_back(support);
   }
+  return lying;
+}
+
+void ThreadSet::finish(const Begun& begun, TouchedParticles& touched) {
+  ThreadRod& rod = std::get<ThreadRod>(begun.thread->body);
+  const double dt = touched.dt();
   for (const std::size_t t : {0, 1}) {
     const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
-    const Anchor& anchor = control.ends[t].anchor;
-    if (!joined[t]) continue;
+    const Anchor& anchor = begun.thread->control.ends[t].anchor;
+    if (!begun.joined[t]) continue;
     Vec3 force = rod.force_at(tip);
-    if (tips[t].in_body) {
+    if (begun.tips[t].in_body) {
+      const Vec3 way = rod.way(t == 0 ? 0 : rod.last());
       for (int a = 0; a < 3; ++a) {
-        if (mobility[t][a] > 0.0) force[a] = (rod.way(ends[t])[a] - tips[t].way[a]) / (dt * dt * mobility[t][a]);
+        const double mobility = begun.mobility[t][a];
+        if (mobility > 0.0) force[a] = (way[a] - begun.tips[t].way[a]) / (dt * dt * mobility);
       }
       for (std::size_t k = 0; k < anchor.particles.size(); ++k) {
         TouchedParticles::pull(touched[touched.slot(anchor.particles[k])], dt * anchor.weights[k] * force);
       }
-    } else if (tips[t].tool.force != nullptr) {
-      pull(tips[t].tool, tips[t].place, force);
+    } else if (begun.tips[t].tool.force != nullptr) {
+      pull(begun.tips[t].tool, begun.tips[t].place, force);
     }
     rod.report(tip, force);
+  }
+}
+
+/// Free threads in order, with what may touch the first one in the step.
+void ThreadSet::find_crossings(double dt) {
+  std::vector<ThreadCrossings::Strand> strands;
+  std::vector<std::size_t> rows;
+  free_.clear();
+  for (std::size_t row = 0; row < threads_.size(); ++row) {
+    Moving& thread = threads_[row];
+    auto* const rod = std::get_if<ThreadRod>(&thread.body);
+    if (rod == nullptr) continue;
+    if (!thread.contacts) {
+      free_.push_back({row});
+      continue;
+    }
+    double fastest = 0.0;
+    for (const Vec3& v : rod->state().velocity) fastest = std::max(fastest, v.squaredNorm());
+    double way = dt * std::sqrt(fastest);
+    for (const HeldNode& held : thread.control.held) {
+      way = std::max(way, (held.position - rod->state().position[held.node]).norm() / steps_left_);
+    }
+    strands.push_back(thread.contacts->strand(*rod, way));
+    rows.push_back(row);
+  }
+  if (rows.empty()) return;
+  for (const std::vector<std::size_t>& group : crossings_.find(std::move(strands))) {
+    free_.emplace_back();
+    for (const std::size_t strand : group) free_.back().push_back(rows[strand]);
+  }
+  std::ranges::sort(free_);
+}
+
+void ThreadSet::act_free(TouchedParticles& touched, const FindTool& find_tool,
+                         std::span<const ThreadSupport> supports) {
+  find_crossings(touched.dt());
+  for (const std::vector<std::size_t>& rows : free_) {
+    std::vector<Begun> together;
+    for (const std::size_t row : rows) together.push_back(begun(threads_[row], touched, find_tool, rows));
+    if (Moving& only = threads_[rows.front()]; only.contacts) {
+      std::vector<ThreadContacts::Lying> all;
+      for (const Begun& begun : together) {
+        all.push_back(lying(begun, supports));
+        all.back().strand = crossings_.strand_of(*all.back().rod);
+      }
+      crossings_.begin(all.front().strand);
+      ThreadContacts::solve(all, crossings_, touched);
+    } else {
+      std::get<ThreadRod>(only.body).solve();
+    }
+    for (const Begun& begun : together) finish(begun, touched);
   }
 }
 
@@ -248,9 +318,7 @@ void ThreadSet::find_together() {
 }
 
 void ThreadSet::act(TouchedParticles& touched, const FindTool& find_tool, std::span<const ThreadSupport> supports) {
-  for (Moving& thread : threads_) {
-    if (std::holds_alternative<ThreadRod>(thread.body)) act(thread, touched, find_tool, supports);
-  }
+  act_free(touched, find_tool, supports);
   for (Together& together : sewn_) act(together, touched, find_tool);
 }
 
