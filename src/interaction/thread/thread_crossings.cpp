@@ -31,9 +31,9 @@ constexpr double through_share = 0.9, round_share = 0.5;
 constexpr double tiny_share = 1e-6;
 /// Squared sine of an angle, below which two segments lie along each other.
 constexpr double along_each_other = 0.05;
-constexpr int most_sweeps = 200;
+constexpr int most_sweeps = 100;
 /// Of the largest force: sweeps that change forces by less are the last ones.
-constexpr double swept_share = 1e-9;
+constexpr double swept_share = 1e-6;
 
 /// Shares of the places of two segments that are closest to each other (C. Ericson, Real-Time Collision Detection,
 /// 2005, 5.1.9). `apart`: from the second one's first node to the first one's.
