@@ -269,8 +269,8 @@ void ThreadContacts::find_pushes() {
   }
 }
 
-ThreadCrossings::Strand ThreadContacts::strand(ThreadRod& rod, double way) const {
-  return {.rod = &rod, .radius = radius_, .friction = friction_, .stiffest = stiffest_, .way = way};
+ThreadCrossings::Strand ThreadContacts::strand(ThreadRod& rod, double dt, double surprise) const {
+  return {.rod = &rod, .radius = radius_, .friction = friction_, .stiffest = stiffest_, .dt = dt, .surprise = surprise};
 }
 
 void ThreadContacts::solve(std::span<const Lying> threads, ThreadCrossings& crossings, TouchedParticles& touched) {

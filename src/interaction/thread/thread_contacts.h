@@ -50,7 +50,8 @@ class ThreadContacts {
   /// What ThreadRod::solve() does for a thread that touches nothing, for all threads of a group of `crossings`.
   static void solve(std::span<const Lying> threads, ThreadCrossings& crossings, TouchedParticles& touched);
 
-  ThreadCrossings::Strand strand(ThreadRod& rod, double way) const;  ///< `way`: m, of its nodes in the step
+  /// In a step of dt, s. `surprise`: ThreadCrossings::Strand.
+  ThreadCrossings::Strand strand(ThreadRod& rod, double dt, double surprise) const;
 
  private:
   struct Touch {

@@ -74,20 +74,26 @@ bool ThreadCrossings::is_neighbour(const Strand& strand, Index first, Index seco
 
 void ThreadCrossings::find_places() {
   middle_.clear();
+  going_.clear();
   half_.clear();
+  room_.clear();
   from_.clear();
   for (const Strand& strand : strands_) {
     from_.push_back(middle_.size());
-    const VecList& x = strand.rod->state().position;
+    const VecList &x = strand.rod->state().position, &v = strand.rod->state().velocity;
+    const double room = strand.surprise + (1.0 + room_for_speed_in_radii) * strand.radius;
     for (std::size_t k = 0; k + 1 < x.size(); ++k) {
       middle_.push_back(0.5 * (x[k] + x[k + 1]));
+      going_.push_back(0.5 * strand.dt * (v[k] + v[k + 1]));
       half_.push_back(0.5 * (x[k + 1] - x[k]).norm());
+      room_.push_back(0.5 * strand.dt * (v[k + 1] - v[k]).norm() + room);
     }
   }
 }
 
-double ThreadCrossings::apart(std::size_t a, std::size_t b) const {
-  return (middle_[a] - middle_[b]).norm() - half_[a] - half_[b];
+bool ThreadCrossings::is_within(std::size_t a, std::size_t b, double reach) const {
+  const double most = half_[a] + half_[b] + reach;
+  return (middle_[a] - middle_[b]).squaredNorm() <= most * most;
 }
 
 bool ThreadCrossings::knows_near(double reach) const {
@@ -136,16 +142,15 @@ void ThreadCrossings::find_near(double reach) {
       for (Index p = one.first; p < one.end; ++p) {
         for (Index q = a == b ? p + 1 : other.first; q < other.end; ++q) {
           if (one.strand == other.strand && is_neighbour(strands_[one.strand], p, q)) continue;
-          if (apart(from_[one.strand] + p, from_[other.strand] + q) > reach_) continue;
+          if (!is_within(from_[one.strand] + p, from_[other.strand] + q, reach_)) continue;
           listed_.push_back({.strand = {one.strand, other.strand}, .segment = {p, q}});
         }
       }
     }
   }
-  std::ranges::sort(listed_, {}, [](const Pair& pair) { return std::tuple(pair.strand, pair.segment); });
 }
 
-void ThreadCrossings::find_groups(double reach) {
+void ThreadCrossings::find_groups() {
   std::vector<std::size_t> root(strands_.size());
   std::iota(root.begin(), root.end(), 0);
   const auto root_of = [&](std::size_t s) {
@@ -154,7 +159,8 @@ void ThreadCrossings::find_groups(double reach) {
   };
   near_.clear();
   for (const Pair& pair : listed_) {
-    if (apart(from_[pair.strand[0]] + pair.segment[0], from_[pair.strand[1]] + pair.segment[1]) > reach) continue;
+    const std::size_t p = from_[pair.strand[0]] + pair.segment[0], q = from_[pair.strand[1]] + pair.segment[1];
+    if (!is_within(p, q, room_[p] + room_[q] + (going_[p] - going_[q]).norm())) continue;
     near_.push_back(pair);
     const std::size_t a = root_of(pair.strand[0]), b = root_of(pair.strand[1]);
     root[std::max(a, b)] = std::min(a, b);
@@ -167,18 +173,20 @@ void ThreadCrossings::find_groups(double reach) {
     groups_[group[s]].push_back(s);
   }
   for (Pair& pair : near_) pair.group = group[pair.strand[0]];
-  std::ranges::stable_sort(near_, {}, &Pair::group);
+  std::ranges::sort(near_, {}, [](const Pair& pair) { return std::tuple(pair.group, pair.strand, pair.segment); });
 }
 
 const std::vector<std::vector<std::size_t>>& ThreadCrossings::find(std::vector<Strand> strands) {
   strands_ = std::move(strands);
-  double reach = 0.0;
-  for (const Strand& strand : strands_) {
-    reach = std::max(reach, 2.0 * strand.way + 2.0 * (1.0 + room_for_speed_in_radii) * strand.radius);
-  }
   find_places();
+  double way = 0.0, room = 0.0;
+  for (std::size_t k = 0; k < middle_.size(); ++k) {
+    way = std::max(way, going_[k].squaredNorm());
+    room = std::max(room, room_[k]);
+  }
+  const double reach = 2.0 * (std::sqrt(way) + room);
   if (!knows_near(reach)) find_near(reach);
-  find_groups(reach);
+  find_groups();
   return groups_;
 }
 

@@ -25,7 +25,8 @@ class ThreadCrossings {
   struct Strand {
     ThreadRod* rod = nullptr;
     double radius = 0.0, friction = 0.0, stiffest = 0.0;  // m, Coulomb's, N/m
-    double way = 0.0;                                     // m: about how far its nodes go in the step
+    double dt = 0.0;                                      // s
+    double surprise = 0.0;  // m: how far a node may go in the step otherwise than by its speed
   };
   void forget() { then_.clear(); }  ///< strands or places changed otherwise than step by step
 
@@ -69,9 +70,9 @@ class ThreadCrossings {
   bool is_neighbour(const Strand& strand, Index first, Index second) const;
   bool knows_near(double reach) const;
   void find_places();
-  double apart(std::size_t a, std::size_t b) const;  // m: no less than this are segments
+  bool is_within(std::size_t a, std::size_t b, double reach) const;
   void find_near(double reach);
-  void find_groups(double reach);
+  void find_groups();
   void measure(std::size_t pair, std::vector<Cross>& found) const;
   bool has_before(const Pair& pair, std::size_t side) const;
   Vec3 way(const Cross& cross) const;
@@ -85,9 +86,9 @@ class ThreadCrossings {
   std::vector<std::array<Column, 2>> columns_;  // [crosses_]; the second one is not used where a strand touches itself
   std::vector<Mat3> answers_;  // m/N [crosses_][crosses_]: how the way at the first answers to the force at the second
   VecList ways_;               // m [crosses_]: of the first against the second
-  VecList middle_;             // m, of segments of all strands
-  std::vector<double> half_;   // m: their half lengths
-  std::vector<std::size_t> from_;  // [strands]: first segment in middle_
+  VecList middle_, going_;     // m, of segments of all strands: where they are, and their way by their speed
+  std::vector<double> half_, room_;  // m, of each: half its length, and what it may go besides with its radius
+  std::vector<std::size_t> from_;    // [strands]: first segment in middle_
   // Of the last find_near().
   VecList then_;                   // m: middle_
   std::vector<double> then_half_;  // m: half_

@@ -223,13 +223,12 @@ void ThreadSet::find_crossings(double dt) {
       free_.push_back({row});
       continue;
     }
-    double fastest = 0.0;
-    for (const Vec3& v : rod->state().velocity) fastest = std::max(fastest, v.squaredNorm());
-    double way = dt * std::sqrt(fastest);
+    double surprise = dt * dt * gravity_.norm();
     for (const HeldNode& held : thread.control.held) {
-      way = std::max(way, (held.position - rod->state().position[held.node]).norm() / steps_left_);
+      const Vec3 way = (held.position - rod->state().position[held.node]) / steps_left_;
+      surprise = std::max(surprise, (way - dt * rod->state().velocity[held.node]).norm());
     }
-    strands.push_back(thread.contacts->strand(*rod, way));
+    strands.push_back(thread.contacts->strand(*rod, dt, surprise));
     rows.push_back(row);
   }
   if (rows.empty()) return;
