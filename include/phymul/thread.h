@@ -29,10 +29,11 @@ struct Thread {
   double segment = 3e-3;   ///< m, > 0: largest distance of nodes of a free thread
   double damping = 0.0;    ///< 1/s, >= 0: rate at which a free thread loses speed, besides what implicit Euler takes
   /// A free thread lies on tools, but for needles, blades and those that its tips are joined to, and on the surface of
-  /// tissue: its nodes stay a radius away. Not on itself or on other threads.
+  /// tissue: its nodes stay a radius away. Its segments do not pass through each other, nor through those of other free
+  /// threads that touch.
   bool touches = false;
-  /// Coulomb coefficient, >= 0: on what a free thread lies on; at a passage, where tensions differ by
-  /// exp(friction * angle).
+  /// Coulomb coefficient, >= 0: on what a free thread lies on, where it is the geometric mean of two threads; at a
+  /// passage, where tensions differ by exp(friction * angle).
   double friction = 0.1;
 
   // Of a sewn thread.
@@ -137,7 +138,7 @@ struct ThreadState {
   std::vector<Index> passages{};       ///< rows, as Knot has them, of those that the thread still goes through
   std::vector<std::int8_t> slides{};   ///< [passages] 0: sticks; 1 or -1: slides toward the last or first tip
   std::vector<KnotState> knots{};
-  VecList touch{};                 ///< N: what a free thread lies on pushes its nodes with [N]; empty: nothing does
+  VecList touch{};                 ///< N: what a free thread touches pushes its nodes with [N]; empty: nothing does
   std::array<bool, 2> anchored{};  ///< of a sewn thread: a tail is a segment to an anchor, or a clamp has been closed
   std::array<Vec3, 2> force{Vec3(0, 0, 0), Vec3(0, 0, 0)};  ///< N, of the thread on what its tips are anchored to
   int torn = 0;                                             ///< passages at which the tissue gave way

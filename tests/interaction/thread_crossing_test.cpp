@@ -40,35 +40,35 @@ double node_mass(const Thread& thread, const ThreadState& state, std::size_t i) 
   return i == 0 || i + 1 == state.position.size() ? 0.5 * mass : mass;
 }
 
-struct Motion {
+struct ThreadMotion {
   Vec3 momentum{0, 0, 0}, angular{0, 0, 0};
   double energy = 0.0;  // kinetic, of stretching and bending
 };
 
-void add(const Thread& thread, const ThreadState& state, Motion& sum) {
+void add_motion(const Thread& thread, const ThreadState& state, ThreadMotion& total) {
   const VecList &x = state.position, &v = state.velocity;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double mass = node_mass(thread, state, i);
-    sum.momentum += mass * v[i];
-    sum.angular += mass * x[i].cross(v[i]);
-    sum.energy += 0.5 * mass * v[i].squaredNorm();
+    total.momentum += mass * v[i];
+    total.angular += mass * x[i].cross(v[i]);
+    total.energy += 0.5 * mass * v[i].squaredNorm();
   }
   const double length = state.rest_length.front();
-  for (const double tension : state.tension) sum.energy += 0.5 * tension * tension * length / axial_stiffness(thread);
+  for (const double tension : state.tension) total.energy += 0.5 * tension * tension * length / axial_stiffness(thread);
   for (std::size_t i = 1; i + 1 < x.size(); ++i) {
     const Vec3 bend = x[i + 1] - 2.0 * x[i] + x[i - 1];
-    sum.energy += 0.5 * bending_stiffness(thread) * bend.squaredNorm() / (length * length * length);
+    total.energy += 0.5 * bending_stiffness(thread) * bend.squaredNorm() / (length * length * length);
   }
 }
 
-Vec3 sum(const VecList& all) {
+Vec3 touch_sum(const VecList& all) {
   Vec3 total = Vec3::Zero();
   for (const Vec3& one : all) total += one;
   return total;
 }
 
 /// m: of two segments. The distance from a place of the first one to the second is convex along the first.
-double apart(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+double least_apart(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const auto at = [&](double place) {
     const Vec3 p = a + place * (b - a);
     const double share = std::clamp((p - c).dot(d - c) / (d - c).squaredNorm(), 0.0, 1.0);
@@ -84,10 +84,10 @@ double apart(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return at(low);
 }
 
-double apart(const VecList& x, const VecList& y) {
+double least_apart(const VecList& x, const VecList& y) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t p = 0; p + 1 < x.size(); ++p) {
-    for (std::size_t q = 0; q + 1 < y.size(); ++q) least = std::min(least, apart(x[p], x[p + 1], y[q], y[q + 1]));
+    for (std::size_t q = 0; q + 1 < y.size(); ++q) least = std::min(least, least_apart(x[p], x[p + 1], y[q], y[q + 1]));
   }
   return least;
 }
@@ -106,19 +106,19 @@ TEST(ThreadCrossing, DoesNotPassThroughAnotherAndKeepsTheMomentum) {
         body.scene.add_thread("upper", thread, Vec3(off, 0.1 * off, 0.97e-3) - 0.015 * direction, direction);
         body.start();
         body.throw_at("upper", {0, 0, -speed});
-        Motion before;
-        for (const char* const name : {"lower", "upper"}) add(thread, body.state(name), before);
+        ThreadMotion before;
+        for (const char* const name : {"lower", "upper"}) add_motion(thread, body.state(name), before);
         double nearest = 1.0;
         for (int k = 0; k < 60; ++k) {
           ASSERT_TRUE(body.solver->step(1, crossing_step).ok());
-          Motion now;
-          for (const char* const name : {"lower", "upper"}) add(thread, body.state(name), now);
+          ThreadMotion now;
+          for (const char* const name : {"lower", "upper"}) add_motion(thread, body.state(name), now);
           ASSERT_LT((now.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm()) << k;
           ASSERT_LT(now.energy, (1.0 + 1e-9) * before.energy) << k;
-          nearest = std::min(nearest, apart(body.state("lower").position, body.state("upper").position));
+          nearest = std::min(nearest, least_apart(body.state("lower").position, body.state("upper").position));
         }
-        Motion upper;
-        add(thread, body.state("upper"), upper);
+        ThreadMotion upper;
+        add_motion(thread, body.state("upper"), upper);
         EXPECT_GT(nearest, (speed > 1.0 ? 0.9 : 0.98) * 2.0 * thread.radius);
         EXPECT_GT(upper.momentum.z() / before.momentum.z(), 0.1);
         EXPECT_LT(upper.momentum.z() / before.momentum.z(), 0.9) << "the lower one was hit";
@@ -147,13 +147,14 @@ TEST(ThreadCrossing, TautOverAnotherItPressesByTensionsAndAngles) {
                 state.tension.back() * (x[n - 2] - x[n - 1]).normalized());
   };
   const Vec3 by_lower = held(body.state("lower")), by_upper = held(body.state("upper"));
-  const Vec3 on_lower = sum(body.state("lower").touch), on_upper = sum(body.state("upper").touch);
+  const Vec3 on_lower = touch_sum(body.state("lower").touch), on_upper = touch_sum(body.state("upper").touch);
   std::printf("[ PRESS    ] %.4f N, tensions and angles %.4f and %.4f N\n", on_upper.z(), by_upper.z(), -by_lower.z());
   EXPECT_GT(on_upper.z(), 0.01);
   EXPECT_NEAR(on_upper.z() / by_upper.z(), 1.0, 0.01);
   EXPECT_NEAR(on_lower.z() / by_lower.z(), 1.0, 0.01);
   EXPECT_LT((on_lower + on_upper).norm(), 1e-12 * on_upper.norm());
-  EXPECT_NEAR(apart(body.state("lower").position, body.state("upper").position) / (2.0 * thread.radius), 1.0, 0.01);
+  EXPECT_NEAR(least_apart(body.state("lower").position, body.state("upper").position) / (2.0 * thread.radius), 1.0,
+              0.01);
 }
 
 /// On two threads that are held it stays up to a slope of mu, the geometric mean of both, and slides by Coulomb's law
@@ -177,8 +178,8 @@ TEST(ThreadCrossing, HoldsAndSlipsByCoulombsLaw) {
     const double time = 0.05;
     ASSERT_TRUE(body.solver->step(static_cast<int>(time / crossing_step), crossing_step).ok());
     const double speed = 9.81 * (std::sin(angle) - (share < 1.0 ? std::sin(angle) : friction * std::cos(angle))) * time;
-    Motion upper;
-    add(thread, body.state("upper"), upper);
+    ThreadMotion upper;
+    add_motion(thread, body.state("upper"), upper);
     const double mass = thread.density * std::numbers::pi * thread.radius * thread.radius * thread.length;
     std::printf("[ SLIP     ] at %.1f mu: %.4f m/s, Coulomb's %.4f m/s\n", share, upper.momentum.x() / mass, speed);
     EXPECT_NEAR(upper.momentum.x() / mass, speed, 0.01 * 9.81 * std::sin(angle) * time);
@@ -187,7 +188,7 @@ TEST(ThreadCrossing, HoldsAndSlipsByCoulombsLaw) {
 }
 
 /// A thread that lies as a curve.
-void lay(ThreadsAlone& body, const std::string& name, const VecList& places) {
+void lay_thread(ThreadsAlone& body, const std::string& name, const VecList& places) {
   State state = body.solver->read();
   for (ThreadState& thread : state.threads) {
     if (thread.name == name) thread.position = places;
@@ -197,7 +198,7 @@ void lay(ThreadsAlone& body, const std::string& name, const VecList& places) {
 
 /// m: `count` places, `spacing` apart along a curve.
 template <class Curve>
-VecList along(Curve curve, double from, std::size_t count, double spacing) {
+VecList laid_along(Curve curve, double from, std::size_t count, double spacing) {
   VecList places{curve(from)};
   for (double t = from; places.size() < count; t += 1e-5) {
     if ((curve(t) - places.back()).norm() >= spacing) places.push_back(curve(t));
@@ -209,7 +210,7 @@ double apart_from_itself(const VecList& x, std::size_t skipped) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t p = 0; p + 1 < x.size(); ++p) {
     for (std::size_t q = p + skipped; q + 1 < x.size(); ++q) {
-      if ((x[p] - x[q]).norm() < 5e-3) least = std::min(least, apart(x[p], x[p + 1], x[q], x[q + 1]));
+      if ((x[p] - x[q]).norm() < 5e-3) least = std::min(least, least_apart(x[p], x[p + 1], x[q], x[q + 1]));
     }
   }
   return least;
@@ -225,7 +226,7 @@ TEST(ThreadCrossing, AnOverhandKnotDoesNotComeUndone) {
     return Vec3(2e-3 * (t * t * t - 3.0 * t), 1.2e-3 * (t * t * t * t - 4.0 * t * t),
                 2e-4 * (t * t * t * t * t - 10.0 * t));
   };
-  lay(body, "thread", along(knot, -2.35, 101, 1e-3));
+  lay_thread(body, "thread", laid_along(knot, -2.35, 101, 1e-3));
   const VecList start = body.state("thread").position;
   double nearest = 1.0;
   constexpr int calls = 40;
@@ -241,7 +242,7 @@ TEST(ThreadCrossing, AnOverhandKnotDoesNotComeUndone) {
   double pressed = 0.0;
   for (const Vec3& force : body.state("thread").touch) pressed = std::max(pressed, force.norm());
   EXPECT_GT(pressed, 1e-5) << "it holds itself";
-  EXPECT_LT(sum(body.state("thread").touch).norm(), 1e-12 * pressed);
+  EXPECT_LT(touch_sum(body.state("thread").touch).norm(), 1e-12 * pressed);
 
   const Snapshot kept = body.solver->snapshot();
   ASSERT_TRUE(body.solver->step(10, crossing_step).ok());
@@ -258,8 +259,9 @@ TEST(ThreadCrossing, ABendDoesNotTouchItself) {
   body.scene.add_thread("thread", thread, {0, 0, 0}, {1, 0, 0});
   body.start();
   const double bend = 2.5 * thread.radius;
-  lay(body, "thread",
-      along([&](double t) { return Vec3(bend * std::cos(t), bend * std::sin(t), 2e-4 * t); }, 0.0, 51, thread.segment));
+  lay_thread(body, "thread",
+             laid_along([&](double t) { return Vec3(bend * std::cos(t), bend * std::sin(t), 2e-4 * t); }, 0.0, 51,
+                        thread.segment));
   ASSERT_TRUE(body.solver->step(1, crossing_step).ok());
   EXPECT_TRUE(body.state("thread").touch.empty());
 }
