@@ -17,7 +17,7 @@ constexpr double neighbours_in_radii = 4.0;
 /// Of the radius: so much farther may a node go in a step than by the speed that it has.
 constexpr double room_for_speed_in_radii = 2.0;
 /// Of the reach of a step, that segments may go before they are looked for anew.
-constexpr double room_in_reach = 1.0;
+constexpr double room_in_reach = 3.0;
 
 }  // namespace
 
@@ -26,20 +26,23 @@ bool ThreadCrossings::is_neighbour(const Strand& strand, Index first, Index seco
 }
 
 void ThreadCrossings::find_places() {
-  middle_.clear();
-  going_.clear();
-  half_.clear();
-  room_.clear();
+  std::size_t count = 0;
   from_.clear();
   for (const Strand& strand : strands_) {
-    from_.push_back(middle_.size());
+    from_.push_back(count);
+    count += static_cast<std::size_t>(strand.rod->last());
+  }
+  for (VecList* const list : {&middle_, &going_}) list->resize(count);
+  for (std::vector<double>* const list : {&half_, &room_}) list->resize(count);
+  for (std::size_t s = 0; s < strands_.size(); ++s) {
+    const Strand& strand = strands_[s];
     const VecList &x = strand.rod->state().position, &v = strand.rod->state().velocity;
     const double room = strand.surprise + (1.0 + room_for_speed_in_radii) * strand.radius;
-    for (std::size_t k = 0; k + 1 < x.size(); ++k) {
-      middle_.push_back(0.5 * (x[k] + x[k + 1]));
-      going_.push_back(0.5 * strand.dt * (v[k] + v[k + 1]));
-      half_.push_back(0.5 * (x[k + 1] - x[k]).norm());
-      room_.push_back(0.5 * strand.dt * (v[k + 1] - v[k]).norm() + room);
+    for (std::size_t k = 0, own = from_[s]; k + 1 < x.size(); ++k, ++own) {
+      middle_[own] = 0.5 * (x[k] + x[k + 1]);
+      going_[own] = 0.5 * strand.dt * (v[k] + v[k + 1]);
+      half_[own] = 0.5 * (x[k + 1] - x[k]).norm();
+      room_[own] = 0.5 * strand.dt * (v[k + 1] - v[k]).lpNorm<1>() + room;
     }
   }
 }
@@ -113,7 +116,7 @@ void ThreadCrossings::find_groups() {
   near_.clear();
   for (const Pair& pair : listed_) {
     const std::size_t p = from_[pair.strand[0]] + pair.segment[0], q = from_[pair.strand[1]] + pair.segment[1];
-    if (!is_within(p, q, room_[p] + room_[q] + (going_[p] - going_[q]).norm())) continue;
+    if (!is_within(p, q, room_[p] + room_[q] + (going_[p] - going_[q]).lpNorm<1>())) continue;
     near_.push_back(pair);
     const std::size_t a = root_of(pair.strand[0]), b = root_of(pair.strand[1]);
     root[std::max(a, b)] = std::min(a, b);
