@@ -72,7 +72,6 @@ void ViewSimulation::go_back(const phymul::Snapshot& snapshot) {
 
 void ViewSimulation::show() {
   const phymul::GlOptions gl{.context = phymul::GlContext::current};
-  shown_version_ = sim_.scene().body_version();
   pieces_ = is_cut() ? connected_bodies(sim_.model()).size() : 1;
   if (!shows_skin()) {
     display_ = phymul::make_display(sim_.solver(), gl);
@@ -82,10 +81,11 @@ void ViewSimulation::show() {
   } else {
     display_ = phymul::make_display(sim_.solver(), *skin_, body_.surface->triangles, gl);
   }
+  shown_version_ = sim_.scene().body_version();
 }
 
 phymul::Display& ViewSimulation::display() {
-  if (shown_version_ != sim_.scene().body_version()) show();
+  if (!display_ || shown_version_ != sim_.scene().body_version()) show();
   return *display_;
 }
 

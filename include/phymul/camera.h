@@ -20,7 +20,8 @@ struct Camera {
 };
 
 /// A camera that sees all of `points` in a picture of width / height = aspect, from the direction `towards_eye`, z
-/// upward (y, where one looks along z). Throws Error where there is no point or no direction.
+/// upward (y, where one looks along z). Throws Error where there is no point or no direction, for a point that is not
+/// finite, and for a view_angle that is not from 0 to below pi.
 Camera framing(std::span<const Vec3> points, const Vec3& towards_eye, double aspect = 1.0, double view_angle = 0.0);
 
 /// Unit vectors of the picture: to the right, upward, and from the picture to the eye. Throws Error where eye and

@@ -59,7 +59,9 @@ class Display {
   Display& operator=(const Display&) = delete;
 
   /// An antialiased picture of the present state. Waits for the device. Throws Error for a size below 1 x 1 or above
-  /// what the driver supports.
+  /// what the driver supports, and, as draw() does, for a camera without a view: a view_angle below 0 or of pi and
+  /// more, a far plane not beyond the near one, with a view_angle the near plane not in front of the eye, without one
+  /// no view_height.
   virtual Image render(const Camera& camera, const DisplayOptions& options, int width, int height) = 0;
 
   /// Draws into a rectangle of the framebuffer that the caller has bound. Pixels count from its lower left corner.
@@ -79,9 +81,10 @@ class Display {
   Display() = default;
 };
 
-/// A display of the solver's state at each call; the solver must outlive it. With GlContext::own it draws in the
-/// context of a GL solver, otherwise in one of its own. With GlContext::current it draws in the context of the caller,
-/// without a copy if the solver uses that context or one that shares objects with it. Throws Error if GL is missing.
+/// A display of the solver's state at each call, with what cuts and removed cells have left; the solver must outlive
+/// it. With GlContext::own it draws in the context of a GL solver, otherwise in one of its own. With GlContext::current
+/// it draws in the context of the caller, without a copy if the solver uses that context or one that shares objects
+/// with it. Throws Error if GL is missing.
 std::unique_ptr<Display> make_display(const Solver& solver, const GlOptions& gl = {});
 
 /// A display of a skin instead of the body itself: of these triangles of points of the skin (counter-clockwise seen

@@ -25,6 +25,9 @@ struct Fluid {
   /// that is negative; as the volume it has without pressure. 0: closed.
   double conductance = 0.0;
   double outlet_pressure = 0.0;  ///< Pa, behind the opening
+  /// Name of another volume that is behind the opening: what leaves goes there, by the difference of both pressures,
+  /// and outlet_pressure is 0. Any number of openings lead into one. Empty: the opening leads outside.
+  std::string opens_into{};
   bool operator==(const Fluid&) const = default;
 };
 

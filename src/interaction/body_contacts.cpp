@@ -50,8 +50,8 @@ void BodyContacts::follow(const Scene& scene, FollowedSurface& surface) {
     candidates_.change(options_);
     return;
   }
-  surface_.reset();  // of no use half made
-  candidates_.follow(*now, options_);
+  const auto before = std::exchange(surface_, nullptr);  // of no use half made
+  candidates_.follow(*now, options_, before.get());
   find_rows(*now);
   place_.resize(now->particles.size());
   velocity_.resize(now->particles.size());
@@ -106,7 +106,7 @@ bool BodyContacts::none_near(double going, double gone) const {
 /// Particles whose gap to a triangle is less than twice what the fastest one moves against the mean.
 void BodyContacts::find(TouchedParticles& touched) {
   const double dt = touched.dt();
-  if (std::isnan(gone_)) candidates_.forget();
+  if (std::isnan(gone_)) candidates_.jump();
   gone_ = touched.step().gone();
   fetch(touched);
   Vec3 mean = Vec3::Zero();

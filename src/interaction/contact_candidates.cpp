@@ -26,21 +26,8 @@ constexpr double wanted_steps = 8.0, least_steps = 2.0;
 constexpr std::size_t most_each = 64;
 /// Searches without slack after lists were longer than that: with it they would be made in vain, at twice the cost.
 constexpr int tight_searches = 16;
-/// Beside a body of far longer edges slack goes by those of the finer one, or its particles would have lists of the
-/// coarse one from afar.
-constexpr double most_coarse = 2.0;
-
 /// Further out nothing can be told apart: squares of lengths are no numbers any more.
 constexpr double furthest_place = 1e150;  // m
-
-/// What is no number is left out.
-template <class Box>
-void add(Box& box, const Vec3& low, const Vec3& high) {
-  for (int a = 0; a < 3; ++a) {
-    box.low[a] = low[a] < box.low[a] ? low[a] : box.low[a];
-    box.high[a] = high[a] > box.high[a] ? high[a] : box.high[a];
-  }
-}
 
 /// Squared, m2.
 template <class Box>
@@ -51,14 +38,6 @@ double distance(const Box& one, const Box& other) {
     sum += off * off;
   }
   return sum;
-}
-
-template <class Motion>
-void join(Motion& motion, const Motion& other) {
-  add(motion.shift, other.shift.low, other.shift.high);
-  motion.least_edge = std::min(motion.least_edge, other.least_edge);
-  motion.cover = std::max(motion.cover, other.cover);
-  motion.of_cut = motion.of_cut || other.of_cut;
 }
 
 /// m: what may touch of one body is no nearer. What is no skin is at rest further than `skin_factor` edges from each
@@ -73,84 +52,17 @@ double least_apart(const Motion& particles, const Motion& triangles) {
   return (1.0 - of_length) * std::sqrt(at_rest) - (1.0 + of_length) * shift.norm();
 }
 
-/// m: the mean edge of all particles, but no more than twice that of the finest body.
-double edge_for_slack(const ContactSurface& surface, std::size_t bodies) {
-  std::vector<double> sum(bodies, 0.0), count(bodies, 0.0);
-  double mean = 0.0;
-  for (const ContactSurface::Particle& particle : surface.particles) {
-    sum[particle.body] += particle.edge;
-    count[particle.body] += 1.0;
-    mean += particle.edge / static_cast<double>(surface.particles.size());
-  }
-  for (std::size_t b = 0; b < bodies; ++b) {
-    if (count[b] > 0.0) mean = std::min(mean, most_coarse * sum[b] / count[b]);
-  }
-  return mean;
-}
-
 }  // namespace
 
-void ContactCandidates::follow(const ContactSurface& surface, const ContactOptions& options) {
-  surface_ = &surface;
-  change(options);
-  searches_ = 0;
-  std::vector<Index> body;
-  for (const ContactSurface::Particle& particle : surface.particles) body.push_back(particle.body);
-  const Index bodies = body.empty() ? 0 : *std::ranges::max_element(body) + 1;
-  usual_edge_ = edge_for_slack(surface, static_cast<std::size_t>(bodies));
-  particles_ = BoxTree(surface.rest, body, bodies);
-  clusters_.clear();
-  for (const BoxTree::Node& node : particles_.nodes) {
-    if (!node.is_leaf) continue;
-    Cluster cluster{static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.end),
-                    body[particles_.items[node.first]]};
-    for (std::size_t k = cluster.first; k < cluster.end; ++k) {
-      const ContactSurface::Particle& own = surface.particles[particles_.items[k]];
-      cluster.edge = std::max(cluster.edge, own.edge);
-      join(cluster.motion, {.least_edge = own.edge, .of_cut = own.of_cut});
-    }
-    clusters_.push_back(cluster);
-  }
-
-  VecList middle;
-  body.clear();
-  for (const ContactSurface::Triangle& triangle : surface.triangles) {
-    const auto& corner = triangle.corner;
-    middle.push_back((surface.rest[corner[0]] + surface.rest[corner[1]] + surface.rest[corner[2]]) / 3.0);
-    body.push_back(triangle.body);
-  }
-  triangles_ = BoxTree(middle, body, bodies);
-  item_edge_.clear();
-  for (const Index t : triangles_.items) item_edge_.push_back(surface.triangles[t].edge);
-  item_motion_.clear();
-  for (const Index t : triangles_.items) {
-    const ContactSurface::Triangle& triangle = surface.triangles[t];
-    double side = 0.0;  // m2, the longest: its corners cover all within side / sqrt(3)
-    for (int c = 0; c < 3; ++c) {
-      side =
-          std::max(side, (surface.rest[triangle.corner[c]] - surface.rest[triangle.corner[(c + 1) % 3]]).squaredNorm());
-    }
-    item_motion_.push_back({.least_edge = triangle.edge, .cover = std::sqrt(side / 3.0), .of_cut = triangle.of_cut});
-  }
-  node_edge_.assign(triangles_.nodes.size(), 0.0);
-  node_motion_.assign(triangles_.nodes.size(), {});
-  triangles_.each_part_from_below([&](Index own, Index part, bool is_item) {
-    node_edge_[own] = std::max(node_edge_[own], is_item ? item_edge_[part] : node_edge_[part]);
-    join(node_motion_[own], is_item ? item_motion_[part] : node_motion_[part]);
-  });
-  item_box_.resize(triangles_.items.size());
-  node_box_.resize(triangles_.nodes.size());
-  item_search_.resize(item_box_.size());
-  node_search_.resize(node_box_.size());
-  met_.reserve(triangles_.items.size());
-  near_.reserve(triangles_.items.size());
-  then_.reserve(surface.particles.size());
-  kept_.reserve(surface.particles.size());
+void ContactCandidates::change(const ContactOptions& options) {
+  if (options == options_) return;
+  options_ = options;
+  drop_lists();
 }
 
-void ContactCandidates::change(const ContactOptions& options) {
-  options_ = options;
+void ContactCandidates::drop_lists() {
   complete_ = false;
+  to_search_.clear();
   tight_searches_ = 0;
 }
 
@@ -171,31 +83,49 @@ bool ContactCandidates::hold(std::span<const Vec3> place, double margin) {
   return nearer_ <= slack_ && margin + nearer_ <= margin_ + slack_;
 }
 
+/// Where places jumped each has gone as far as the one that jumped farthest.
+void ContactCandidates::see(std::span<const Vec3> place, double gone) {
+  if (jumped_) {
+    double farthest = 0.0;
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      const double way = (place[k] - seen_[k]).squaredNorm();
+      farthest = way > farthest ? way : farthest;  // what is new has no place before
+    }
+    const double left = gone - seen_gone_ - (1.0 + of_length) * std::sqrt(farthest);
+    for (Kept& kept : kept_) kept.until += left;
+    jumped_ = false;
+  }
+  seen_.assign(place.begin(), place.end());
+  seen_gone_ = gone;
+}
+
 void ContactCandidates::begin(std::span<const Vec3> place, double margin) {
-  complete_ = false;
+  complete_ = jumped_ = false;
+  if (!has_all_) build_whole_trees();
+  ranked_edge_ = 2.0 * surface_->longest_edge;
   ++searches_;
   margin_ = margin;
   nearer_ = 0.0;
   slack_ = std::clamp(wanted_steps * margin, least_slack * usual_edge_, most_slack * usual_edge_);
   if (slack_ < least_steps * margin || tight_searches_ > 0) slack_ = 0.0;
   if (tight_searches_ > 0) --tight_searches_;
-  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_search_[k] = search_distance(item_edge_[k]);
-  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_search_[k] = search_distance(node_edge_[k]);
   then_.assign(place.begin(), place.end());
   kept_.clear();
   listed_.clear();
   keeps_ = measure(place);
 }
 
-/// Boxes around clusters and triangles. Whether all places are numbers, and no triangle is lost.
+/// How far to look, and boxes around clusters and triangles. Whether all places are numbers, and no triangle is lost.
 bool ContactCandidates::measure(std::span<const Vec3> place) {
+  for (std::size_t k = 0; k < item_edge_.size(); ++k) item_search_[k] = search_distance(item_edge_[k]);
+  for (std::size_t k = 0; k < node_edge_.size(); ++k) node_search_[k] = search_distance(node_edge_[k]);
   find_shifts(place);
   for (Cluster& cluster : clusters_) {
     cluster.box = cluster.motion.shift = {};
     for (std::size_t k = cluster.first; k < cluster.end; ++k) {
       const Vec3 &x = place[particles_.items[k]], &shift = shift_[particles_.items[k]];
-      add(cluster.box, x, x);
-      add(cluster.motion.shift, shift, shift);
+      cluster.box.add(x, x);
+      cluster.motion.shift.add(shift, shift);
     }
   }
   double widest = 0.0;
@@ -204,8 +134,8 @@ bool ContactCandidates::measure(std::span<const Vec3> place) {
     box = {};
     Box& shift = item_motion_[item].shift = {};
     for (const Index c : surface_->triangles[triangles_.items[item]].corner) {
-      add(box, place[c], place[c]);
-      add(shift, shift_[c], shift_[c]);
+      box.add(place[c], place[c]);
+      shift.add(shift_[c], shift_[c]);
     }
     const double more = of_places * std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
     for (Box* const own : {&box, &shift}) {
@@ -219,8 +149,8 @@ bool ContactCandidates::measure(std::span<const Vec3> place) {
   triangles_.each_part_from_below([&](Index own, Index part, bool is_item) {
     const Box& box = is_item ? item_box_[part] : node_box_[part];
     const Box& shift = is_item ? item_motion_[part].shift : node_motion_[part].shift;
-    add(node_box_[own], box.low, box.high);
-    add(node_motion_[own].shift, shift.low, shift.high);
+    node_box_[own].add(box.low, box.high);
+    node_motion_[own].shift.add(shift.low, shift.high);
   });
   return !lost_ && std::ranges::all_of(place, [](const Vec3& x) { return x.allFinite(); });
 }
@@ -321,7 +251,7 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   const auto triangle_of = [&](Index item) -> const ContactSurface::Triangle& {
     return surface_->triangles[triangles_.items[item]];
   };
-  const double facing = (1.0 + of_length) * ContactSurface::facing_share * surface_->longest_edge;
+  const double facing = (1.0 + of_length) * ContactSurface::facing_share * ranked_edge_;
   double furthest = 0.0, nearest = HUGE_VAL;
   for (const Index item : met_) {
     const double distance_limit = std::max(item_search_[item], usual), off = distance(here, item_box_[item]);

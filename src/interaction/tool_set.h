@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "blade_edge.h"
+#include "blade/blade_edge.h"
 #include "contact_tool.h"
 #include "joint_set.h"
 #include "moved_tool.h"

@@ -5,6 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "base/decimal.h"
+#include "base/place_text.h"
 
 namespace phymul {
 namespace {
@@ -38,13 +42,19 @@ Camera framing(std::span<const Vec3> points, const Vec3& towards_eye, double asp
   if (!(towards_eye.norm() > 0.0) || !(aspect > 0.0)) {
     throw Error("framing: expected a direction towards the eye that is not 0, and an aspect above 0");
   }
+  if (!(view_angle >= 0.0 && view_angle < std::numbers::pi)) {
+    throw Error("framing: expected a view_angle from 0 to below pi, got " + to_decimal(view_angle));
+  }
   Camera camera;
   const Vec3 back = towards_eye.normalized();
   camera.up = std::abs(back.z()) > 0.99 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ());
   camera.eye = back;  // axes_of looks at the direction alone
   const CameraAxes axes = axes_of(camera);
   Eigen::AlignedBox3d box;
-  for (const Vec3& x : points) box.extend(Vec3(axes.right.dot(x), axes.up.dot(x), back.dot(x)));
+  for (const Vec3& x : points) {
+    if (!x.allFinite()) throw Error("framing: expected points of finite numbers, got " + place_text(x));
+    box.extend(Vec3(axes.right.dot(x), axes.up.dot(x), back.dot(x)));
+  }
   const Vec3 middle = box.center();
   const Vec3 size = box.sizes().cwiseMax(0.0);
   camera.target = middle.x() * axes.right + middle.y() * axes.up + middle.z() * back;

@@ -25,7 +25,8 @@ Colour displacement_colour(double share) {
                                                                 {0.344, 0.234, 0.581},
                                                                 {0.367, 0.175, 0.530},
                                                                 {0.385, 0.104, 0.475}}};
-  const double place = std::clamp(share, 0.0, 1.0) * static_cast<double>(table.size() - 1);
+  // Not clamp(): a share that is not a number, as 0 / 0 of a body at rest, counts as 0.
+  const double place = (share > 0.0 ? std::min(share, 1.0) : 0.0) * static_cast<double>(table.size() - 1);
   const auto row = std::min(static_cast<std::size_t>(place), table.size() - 2);
   const double t = place - static_cast<double>(row);
   Colour colour{0.0, 0.0, 0.0, 1.0};

@@ -12,11 +12,8 @@
 #include <cmath>
 #include <limits>
 #include <new>
-#include <set>
 #include <string>
-#include <utility>
 
-#include "interaction/closest_point.h"
 #include "interaction/contact_candidates.h"
 #include "support/allocation_count.h"
 #include "support/run_scenes.h"
@@ -31,47 +28,6 @@ using namespace test;
 /// A cube over a larger one, a gap above it and off its lattice.
 Model two_cubes(double gap) {
   return joined_bodies(tissue({0, 0, 0}, {6, 6, 6}), tissue({0.0063, 0.0071, 0.03 + gap}, {4, 4, 4}));
-}
-
-using Pairs = std::set<std::pair<std::size_t, Index>>;
-
-/// Those that a step with this margin may ask for, of all there are: of a particle and a body what may rank first.
-Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, const ContactOptions& options,
-                       double margin) {
-  Pairs pairs;
-  for (std::size_t k = 0; k < place.size(); ++k) {
-    const ContactSurface::Particle& own = surface.particles[k];
-    std::vector<std::pair<double, Index>> reached;  // m, triangle
-    std::vector<double> nearest(static_cast<std::size_t>(surface.bodies), HUGE_VAL);
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-      const ContactSurface::Triangle& triangle = surface.triangles[t];
-      if (own.body == triangle.body && !options.self) continue;
-      const Vec3 &a = place[triangle.corner[0]], &b = place[triangle.corner[1]], &c = place[triangle.corner[2]];
-      const Vec3 share = closest_point(place[k], a, b, c);
-      const double skins =
-          options.margin > 0.0 ? 2.0 * options.margin : ContactSurface::usual_skin * (triangle.edge + own.edge);
-      const double deep = ContactSurface::depth_factor * std::max(triangle.edge, own.edge);
-      const double off = (place[k] - (share[0] * a + share[1] * b + share[2] * c)).norm();
-      if (!(off <= std::max(margin + skins, deep)) || surface.is_own_skin(own, k, triangle)) continue;
-      reached.emplace_back(off, static_cast<Index>(t));
-      double& least = nearest[triangle.body];
-      if (off < deep) least = std::min(least, off);
-    }
-    for (const auto& [off, t] : reached) {
-      const double facing = ContactSurface::facing_share * surface.longest_edge;
-      if (off <= nearest[surface.triangles[t].body] + facing) pairs.insert({k, t});
-    }
-  }
-  return pairs;
-}
-
-Pairs pairs_listed(ContactCandidates& candidates, const VecList& place, double margin) {
-  Pairs pairs;
-  candidates.each(place, margin, HUGE_VAL, [&](const ContactCandidates::List& list) {
-    for (const auto& near : list.triangles) EXPECT_TRUE(pairs.insert({list.particle, near.triangle}).second);
-    return 0.0;
-  });
-  return pairs;
 }
 
 /// Random affine motions of either body, small ones step by step and a jump now and then, particles shaken besides.
@@ -244,9 +200,28 @@ TEST(ContactCandidates, WhatIsApartIsPassedOverUntilItMayTouch) {
   EXPECT_EQ(visits_at(7.0004, 1e-4), 0);
   EXPECT_EQ(visits_at(7.0005, 1e-4), all);
   EXPECT_EQ(visits_at(7.0009, 1e-4), 0);  // from the last visit on
-  candidates.forget();
-  EXPECT_FALSE(candidates.none_within(1e-4, 7.0009, 7.0009));
-  EXPECT_EQ(visits_at(7.0009, 1e-4), all);
+  EXPECT_EQ(candidates.searches(), 1u);
+}
+
+/// Set places: what all have moved by counts as motion, whatever gone() says before and after.
+TEST(ContactCandidates, WhatIsApartStaysSoWherePlacesAreSetNear) {
+  const ContactSurface surface = make_contact_surface(two_cubes(0.0005));
+  ContactCandidates candidates;
+  candidates.follow(surface, {});
+  const auto visits_at = [&](double gone, double moved) {
+    VecList place = surface.rest;
+    place[0].x() += moved;
+    int visits = 0;
+    candidates.each(place, 1e-4, gone, [&](const ContactCandidates::List&) { return ++visits, 1e-3; });
+    return visits;
+  };
+  const int all = visits_at(7.0, 0.0);
+  candidates.jump();
+  EXPECT_FALSE(candidates.none_within(1e-4, 3.0, 3.0));
+  EXPECT_EQ(visits_at(3.0, 2e-4), 0);
+  EXPECT_EQ(visits_at(3.0002, 2e-4), 0);
+  candidates.jump();
+  EXPECT_EQ(visits_at(5.0, 2.6e-4), all);  // 0.2, 0.2 and 0.06 mm of the 0.45 that were left
   EXPECT_EQ(candidates.searches(), 1u);
 }
 

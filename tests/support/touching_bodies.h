@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// Bodies that touch each other, and one that touches itself.
+// Bodies that touch each other, one that touches itself, and which particles and triangles may touch.
 #pragma once
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "bodies.h"
+#include "interaction/closest_point.h"
+#include "interaction/contact_candidates.h"
 
 namespace phymul::test {
 
@@ -65,5 +71,47 @@ struct PressedStrip {
   }
   std::vector<Index> first_end, last_end, middle;
 };
+
+/// Rows of a particle of a surface and of a triangle.
+using Pairs = std::set<std::pair<std::size_t, Index>>;
+
+/// Those that a step with this margin may ask for, of all there are: of a particle and a body what may rank first.
+inline Pairs pairs_that_count(const ContactSurface& surface, const VecList& place, const ContactOptions& options,
+                              double margin) {
+  Pairs pairs;
+  for (std::size_t k = 0; k < place.size(); ++k) {
+    const ContactSurface::Particle& own = surface.particles[k];
+    std::vector<std::pair<double, Index>> reached;  // m, triangle
+    std::vector<double> nearest(static_cast<std::size_t>(surface.bodies), HUGE_VAL);
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      const ContactSurface::Triangle& triangle = surface.triangles[t];
+      if (own.body == triangle.body && !options.self) continue;
+      const Vec3 &a = place[triangle.corner[0]], &b = place[triangle.corner[1]], &c = place[triangle.corner[2]];
+      const Vec3 share = closest_point(place[k], a, b, c);
+      const double skins =
+          options.margin > 0.0 ? 2.0 * options.margin : ContactSurface::usual_skin * (triangle.edge + own.edge);
+      const double deep = ContactSurface::depth_factor * std::max(triangle.edge, own.edge);
+      const double off = (place[k] - (share[0] * a + share[1] * b + share[2] * c)).norm();
+      if (!(off <= std::max(margin + skins, deep)) || surface.is_own_skin(own, k, triangle)) continue;
+      reached.emplace_back(off, static_cast<Index>(t));
+      double& least = nearest[triangle.body];
+      if (off < deep) least = std::min(least, off);
+    }
+    for (const auto& [off, t] : reached) {
+      const double facing = ContactSurface::facing_share * surface.longest_edge;
+      if (off <= nearest[surface.triangles[t].body] + facing) pairs.insert({k, t});
+    }
+  }
+  return pairs;
+}
+
+inline Pairs pairs_listed(ContactCandidates& candidates, const VecList& place, double margin) {
+  Pairs pairs;
+  candidates.each(place, margin, HUGE_VAL, [&](const ContactCandidates::List& list) {
+    for (const auto& near : list.triangles) EXPECT_TRUE(pairs.insert({list.particle, near.triangle}).second);
+    return 0.0;
+  });
+  return pairs;
+}
 
 }  // namespace phymul::test

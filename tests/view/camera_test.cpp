@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 #include <phymul/camera.h>
+#include <phymul/display.h>
 #include <phymul/error.h>
+
+#include <limits>
 
 #include "support/bodies.h"
 
@@ -62,7 +65,13 @@ TEST(Camera, FramingSeesEveryPointAndFillsThePicture) {
 
 TEST(Camera, WhatCannotBeSeenIsRefused) {
   EXPECT_THROW(framing({}, Vec3::UnitX()), Error);
-  EXPECT_THROW(framing(make_tetrahedron(0.01).rest, Vec3::Zero()), Error);
+  VecList points = make_tetrahedron(0.01).rest;
+  EXPECT_THROW(framing(points, Vec3::Zero()), Error);
+  for (const double angle : {-0.5, 3.2, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(framing(points, Vec3::UnitX(), 1.0, angle), Error) << angle;
+  }
+  points.back().x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(framing(points, Vec3::UnitX()), Error);
   Camera camera;
   camera.eye = camera.target;
   EXPECT_THROW(axes_of(camera), Error);
@@ -74,6 +83,14 @@ TEST(Camera, ASinglePointHasAPicture) {
   const VecList point{{1.0, 2.0, 3.0}};
   const Camera camera = framing(point, Vec3::UnitX());
   EXPECT_TRUE(to_pixel(camera, point[0], 10, 10).head<2>().isApprox(Eigen::Vector2d(5, 5)));
+}
+
+TEST(DisplacementColour, IsOfTheNearestShareOfTheScale) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+  for (const double share : {nan, -1.0, -infinite}) {
+    EXPECT_EQ(displacement_colour(share), displacement_colour(0.0)) << share;
+  }
+  for (const double share : {2.0, infinite}) EXPECT_EQ(displacement_colour(share), displacement_colour(1.0)) << share;
 }
 
 }  // namespace

@@ -104,6 +104,35 @@ TEST_F(GlPictureTest, BallsAreJustWhereTheProjectionSays) {
   }
 }
 
+/// In perspective with the near plane in the eye all depths are equal, and what is drawn last would hide what is
+/// nearer.
+TEST_F(GlPictureTest, CamerasThatSeeNothingRightAreRefused) {
+  const Model model = make_tetrahedron(0.01);
+  const auto display = make_display(model);
+  for (const double angle : {0.0, 0.3}) {
+    Camera camera = camera_for(model, angle);
+    const double distance = (camera.eye - camera.target).norm();
+    const auto draw = [&](double near, double far) {
+      camera.near_plane = near, camera.far_plane = far;
+      return painted(display->render(camera, particles_only(), width, height));
+    };
+    EXPECT_GT(draw(0.1 * distance, 3.0 * distance), 200);
+    EXPECT_THROW(draw(distance, distance), Error);
+    EXPECT_THROW(draw(3.0 * distance, distance), Error);
+    if (angle > 0.0) {
+      EXPECT_THROW(draw(0.0, 3.0 * distance), Error);
+      for (const double wrong : {-angle, 3.2}) {
+        camera.view_angle = wrong;
+        EXPECT_THROW(draw(0.1 * distance, 3.0 * distance), Error) << wrong;
+      }
+    } else {
+      EXPECT_GT(draw(0.0, 3.0 * distance), 200);
+      camera.view_height = 0.0;
+      EXPECT_THROW(draw(0.0, 3.0 * distance), Error);
+    }
+  }
+}
+
 TEST_F(GlPictureTest, WhatMovesMovesInThePicture) {
   const Model model = make_tetrahedron(0.01);
   const auto display = make_display(model);
@@ -124,6 +153,25 @@ TEST_F(GlPictureTest, WhatMovesMovesInThePicture) {
   EXPECT_GT(painted(before), 200);
   EXPECT_LT(different, 0.02 * painted(before));
   EXPECT_GT(difference(before, after), 0.01);
+}
+
+TEST_F(GlPictureTest, WhatIsCutOrRemovedIsDrawnSo) {
+  Model model = make_tetrahedral_block({0.04, 0.02, 0.02}, 6, 3, 3, 0.1, 1);
+  set_material(model, {1e4, 0.3, 1000.0});
+  Simulation sim(with_spare_particles(model, 60), {.backend = "cpu"});
+  const auto display = make_display(sim.solver());
+  const Camera camera = camera_for(model);
+  const auto differs = [&](const Image& image) {
+    return difference(image, make_display(sim.solver())->render(camera, {}, width, height));
+  };
+  Image image = display->render(camera, {}, width, height);
+  EXPECT_EQ(differs(image), 0.0);
+  sim.remove_cells(sim.model().cells_in([](const Vec3& x) { return x.x() > 0.03; }));
+  EXPECT_GT(differs(image), 0.05);
+  image = display->render(camera, {}, width, height);
+  EXPECT_EQ(differs(image), 0.0);
+  ASSERT_TRUE(sim.cut(cut_plane({0.015, 0, 0}, {1.0, 0.2, 0.1})));
+  EXPECT_EQ(differs(display->render(camera, {}, width, height)), 0.0);
 }
 
 TEST_F(GlPictureTest, FacesAreLitByTheirNormalsAndColouredByDisplacement) {

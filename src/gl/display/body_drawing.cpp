@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "body_drawing.h"
 
+#include <phymul/error.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/bounding_box.h"
 #include "model/require_indices.h"
@@ -149,16 +152,27 @@ BodyDrawing::Eye BodyDrawing::eye_of(const Camera& camera, const DisplayOptions&
     if (camera.view_angle > 0.0) near = std::max(near, 0.01 * radius_);
     far = std::max(far, near + radius_);
   }
+  const bool parallel = camera.view_angle == 0.0;
+  if (parallel ? !(camera.view_height > 0.0) : !(camera.view_angle > 0.0 && camera.view_angle < std::numbers::pi)) {
+    throw Error(ErrorCode::invalid_argument,
+                "Display: expected a Camera::view_angle from 0 to below pi, and where it is 0 a view_height above 0");
+  }
+  if (!(far > near) || !(parallel || near > 0.0)) {
+    throw Error(
+        ErrorCode::invalid_argument,
+        "Display: expected Camera::far_plane behind near_plane, and with a view_angle both in front of the eye");
+  }
 
   Eye eye;
-  eye.parallel = camera.view_angle <= 0.0;
+  eye.parallel = parallel;
   eye.view = view.cast<float>();
   eye.projection =
       projection_of(camera, static_cast<double>(viewport.width) / viewport.height, near, far).cast<float>();
   const Vec3& place = eye.parallel ? axes.towards_eye : from_centre;
   eye.place << place.cast<float>(), eye.parallel ? 0.0f : 1.0f;
   eye.pixel_size = viewport.pixel_size;
-  eye.pixels_per_metre = pixels_per_metre(camera, eye.parallel ? camera.target : centre_, viewport.height);
+  // Negative where the eye has passed the body's centre.
+  eye.pixels_per_metre = std::abs(pixels_per_metre(camera, eye.parallel ? camera.target : centre_, viewport.height));
   eye.viewport = {static_cast<float>(viewport.width), static_cast<float>(viewport.height)};
   if (options.full_scale > 0.0) eye.displacement_scale = static_cast<float>(1.0 / options.full_scale);
   return eye;

@@ -120,6 +120,7 @@ class GlDisplay final : public Display {
       context_ = Context::open(options_);
     }
     if (user_ && options_.context == GlContext::current) sees_solver_ = user_->context_kind() == GlContext::current;
+    if (solver_) body_version_ = solver_->scene().body_version();
     context_->run([&] {
       objects_ =
           std::make_unique<Objects>(model_, ShaderLibrary(options_.shader_folder, context_->info().es), skin_.get());
@@ -131,11 +132,13 @@ class GlDisplay final : public Display {
     static_cast<void>(objects_.release());  // not there any more, or out of reach: their names may be others' by now
   }
 
-  /// A solver that lost its device goes on in another context.
-  void follow_context() {
+  /// Makes the objects anew where the solver has another context, because it lost its device, or where cuts and removed
+  /// cells have changed the body. A skin stays as it is.
+  void follow_solver() {
     if (!objects_) return open();  // an earlier opening failed
-    if (!sees_solver_) return;
-    if (options_.context == GlContext::current || user_->context() == context_) return;
+    const bool is_cut = solver_ && !skin_ && body_version_ != solver_->scene().body_version();
+    const bool moved = sees_solver_ && options_.context != GlContext::current && user_->context() != context_;
+    if (!is_cut && !moved) return;
     drop();
     open();
   }
@@ -172,7 +175,7 @@ class GlDisplay final : public Display {
   template <class Draw>
   std::invoke_result_t<Draw&, const Placement&> with_placement(bool attractors, Draw&& draw) {
     attractors = attractors && !skin_;
-    follow_context();
+    follow_solver();
     auto result = context_->run([&] {
       const BlendGuard guard;
       Placement placement;
@@ -198,6 +201,7 @@ class GlDisplay final : public Display {
   const DeviceSolver* user_;                       // the same as solver_, where it is one of src/gl
   const GlOptions options_;
   std::shared_ptr<Context> context_;
+  std::uint64_t body_version_ = 0;  // Scene::body_version() of what is drawn
   bool sees_solver_ = false;
   bool has_attractors_ = false;
   std::unique_ptr<Objects> objects_;

@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "predicted_step.h"
-#include "tool_frame.h"
-#include "tool_shape.h"
+#include "interaction/predicted_step.h"
+#include "interaction/tool_frame.h"
+#include "interaction/tool_shape.h"
 
 namespace phymul {
 
