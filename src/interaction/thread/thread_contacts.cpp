@@ -187,8 +187,12 @@ bool ThreadContacts::rub(Touch& touch, const ThreadRod& rod) const {
   return changes;
 }
 
-/// What touches after the last iteration, and how. False: as before it.
-bool ThreadContacts::update(const ThreadRod& rod, std::span<const ThreadSupport> tools, const VecList& before) {
+/// What touches after the last iteration, and how. False: as before it. What pressed a node in the step before is a
+/// guess, unless it may have been another thread.
+bool ThreadContacts::update(const Lying& own, const ThreadCrossings& crossings) {
+  const ThreadRod& rod = *own.rod;
+  const std::span<const ThreadSupport> tools = own.tools;
+  const VecList& before = rod.state().touch;
   bool changes = false;
   before_.swap(touches_);
   touches_.clear();
@@ -214,7 +218,8 @@ bool ThreadContacts::update(const ThreadRod& rod, std::span<const ThreadSupport>
         }
         changes = rub(touch, rod) || changes;
       } else {
-        touch.press = before.empty() ? 0.0 : std::max(before[i].dot(touch.normal), 0.0);
+        const bool is_known_press = !before.empty() && !crossings.has_touched(own.strand, i);
+        touch.press = is_known_press ? std::max(before[i].dot(touch.normal), 0.0) : 0.0;
         const bool goes_on = touch.press > 0.0 && touch.need - touch.normal.dot(rod.way(i)) > -radius_;
         if (!inside && !goes_on) continue;
         touch.rubbing = touch.stiffness;
@@ -269,10 +274,6 @@ void ThreadContacts::find_pushes() {
   }
 }
 
-ThreadCrossings::Strand ThreadContacts::strand(ThreadRod& rod, double dt, double surprise) const {
-  return {.rod = &rod, .radius = radius_, .friction = friction_, .stiffest = stiffest_, .dt = dt, .surprise = surprise};
-}
-
 void ThreadContacts::solve(std::span<const Lying> threads, ThreadCrossings& crossings, TouchedParticles& touched) {
   for (const auto& [rod, own, strand, tools, first, last] : threads) {
     rod->start_newton();
@@ -282,9 +283,7 @@ void ThreadContacts::solve(std::span<const Lying> threads, ThreadCrossings& cros
   const auto has_settled = [](const Lying& thread) { return thread.rod->has_settled(); };
   for (int round = 0; round < most_rounds; ++round) {
     bool changes = crossings.update();
-    for (const Lying& thread : threads) {
-      changes = thread.contacts->update(*thread.rod, thread.tools, thread.rod->state().touch) || changes;
-    }
+    for (const Lying& thread : threads) changes = thread.contacts->update(thread, crossings) || changes;
     if (!changes && round > 0 && std::ranges::all_of(threads, has_settled)) break;
     find_stiffness(threads, touched);
     for (const Lying& thread : threads) {
@@ -299,7 +298,8 @@ void ThreadContacts::solve(std::span<const Lying> threads, ThreadCrossings& cros
 void ThreadContacts::give_forces(const Lying& own, const ThreadCrossings& crossings, TouchedParticles& touched) const {
   ThreadRod& rod = *own.rod;
   if (touches_.empty() && crossings.empty()) return;
-  VecList forces(static_cast<std::size_t>(rod.last()) + 1, Vec3::Zero());
+  VecList& forces = rod.touch();
+  forces.assign(static_cast<std::size_t>(rod.last()) + 1, Vec3::Zero());
   for (std::size_t k = 0; k < pushes_.size(); ++k) {
     const Touch& touch = touches_[k];
     const Vec3 force = pushes_[k].at(rod.way(touch.node));
@@ -315,7 +315,7 @@ void ThreadContacts::give_forces(const Lying& own, const ThreadCrossings& crossi
     tool.force->torque -= (rod.place(touch.node) - tool.end.position).cross(force);
   }
   const bool crosses = crossings.add_forces(own.strand, forces);
-  if (!touches_.empty() || crosses) rod.touch(std::move(forces));
+  if (touches_.empty() && !crosses) forces.clear();
 }
 
 }  // namespace phymul

@@ -50,8 +50,9 @@ class ThreadContacts {
   /// What ThreadRod::solve() does for a thread that touches nothing, for all threads of a group of `crossings`.
   static void solve(std::span<const Lying> threads, ThreadCrossings& crossings, TouchedParticles& touched);
 
-  /// In a step of dt, s. `surprise`: ThreadCrossings::Strand.
-  ThreadCrossings::Strand strand(ThreadRod& rod, double dt, double surprise) const;
+  ThreadCrossings::Strand strand(ThreadRod& rod) const {
+    return {.rod = &rod, .radius = radius_, .friction = friction_, .stiffest = stiffest_};
+  }
 
  private:
   struct Touch {
@@ -86,7 +87,7 @@ class ThreadContacts {
   void find_facing(const ThreadRod& rod, Index first, Index last, const TouchedParticles& touched);
   bool measure(Touch& touch, const ThreadSupport& tool, const ThreadRod& rod) const;
   bool rub(Touch& touch, const ThreadRod& rod) const;
-  bool update(const ThreadRod& rod, std::span<const ThreadSupport> tools, const VecList& before);
+  bool update(const Lying& own, const ThreadCrossings& crossings);
   static void find_stiffness(std::span<const Lying> threads, TouchedParticles& touched);
   void give_forces(const Lying& own, const ThreadCrossings& crossings, TouchedParticles& touched) const;
   void find_pushes();

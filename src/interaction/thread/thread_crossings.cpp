@@ -2,7 +2,6 @@
 #include "thread_crossings.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,12 +9,13 @@
 namespace phymul {
 namespace {
 
-/// Of an overlap at the step's start, that comes out in the step: all of it would fling the threads.
-constexpr double parted_at_a_time = 0.1;
+/// Of an overlap at the step's start, that comes out in the step, and of the sum of radii in a second: all of it at
+/// once would fling the threads.
+constexpr double parted_at_a_time = 0.1, parted_in_a_second = 200.0;
 /// Of the sum of radii: so much farther apart two segments may still be and count, since what moves others moves them.
 constexpr double beside_share = 0.25;
-/// Of the sum of radii: by so little less they may be apart after the last iteration.
-constexpr double met_share = 1e-3;
+/// Of the sum of radii: by so little less they may be apart after the last iteration; it grows with each one.
+constexpr double met_share = 1e-3, met_growth = 1.5;
 /// Of the sum of radii: a place of one segment that came so near to one of the other had to stop where it came in,
 /// unless it went round by less than the angle of this cosine.
 constexpr double through_share = 0.9, round_share = 0.5;
@@ -23,9 +23,10 @@ constexpr double through_share = 0.9, round_share = 0.5;
 constexpr double tiny_share = 1e-6;
 /// Squared sine of an angle, below which two segments lie along each other.
 constexpr double along_each_other = 0.05;
-constexpr int most_sweeps = 100;
-/// Of the largest force: sweeps that change forces by less are the last ones.
-constexpr double swept_share = 1e-6;
+constexpr int most_sweeps = 25;  // of a round
+/// Sweeps that change ways by less are the last ones: of what is missing before, and of the sum of radii; the latter
+/// grows with each sweep.
+constexpr double swept_of_missing = 0.1, swept_share = 1e-6, swept_growth = 1.35;
 
 /// Shares of the places of two segments that are closest to each other (C. Ericson, Real-Time Collision Detection,
 /// 2005, 5.1.9). `apart`: from the second one's first node to the first one's.
@@ -58,7 +59,53 @@ Vec3 entry(const Vec3& from, const Vec3& to, double least) {
   return (from + share * way).normalized();
 }
 
+/// The force N n + T of least 1/2 (f - y)^T A (f - y) + f^T g with N >= 0 and |T| <= friction N: a step against the
+/// gradient g from y, by a diagonal A. By axes of a place, of which the first is n.
+Vec3 projected(const Vec3& y, const Vec3& g, const Vec3& a, double friction) {
+  const double press = y[0] - g[0] / a[0], limit = friction * press;
+  if (!(press > 0.0)) return Vec3::Zero();
+  // (A + more) T = A y - g, of the length of the limit: Newton's method for 1 / |T| comes from below.
+  const double r1 = a[1] * y[1] - g[1], r2 = a[2] * y[2] - g[2];
+  double more = 0.0, size = 0.0;
+  Vec3 force(press, 0.0, 0.0);
+  for (int k = 0; k < 10 && limit > 0.0; ++k) {
+    force[1] = r1 / (a[1] + more);
+    force[2] = r2 / (a[2] + more);
+    size = std::sqrt(force[1] * force[1] + force[2] * force[2]);
+    if (!(size > (1.0 + 1e-12) * limit)) break;
+    const double slope = force[1] * force[1] / (a[1] + more) + force[2] * force[2] / (a[2] + more);
+    more += (size / limit - 1.0) * size * size / slope;
+  }
+  if (size > limit) force.tail<2>() *= limit / size;
+  return force;
+}
+
 }  // namespace
+
+void ThreadCrossings::begin(std::size_t first) {
+  const auto group = [this](const Pair& pair) { return group_[pair.strand[0]]; };
+  const auto range = std::ranges::equal_range(near_, first, {}, group);
+  first_ = first;
+  begin_ = static_cast<std::size_t>(range.begin() - near_.begin());
+  end_ = static_cast<std::size_t>(range.end() - near_.begin());
+  crosses_.clear();
+  has_answers_ = false;
+  met_ = met_share / met_growth;
+  steepest_ = 1.0;
+  for (std::size_t k = begin_; k < end_; ++k) {
+    const Pair& pair = near_[k];
+    const Strand &one = strands_[pair.strand[0]], &other = strands_[pair.strand[1]];
+    if (one.rod->state().touch.empty() && other.rod->state().touch.empty()) continue;
+    const Vec3 *const x = &one.rod->place(pair.segment[0]), *const y = &other.rod->place(pair.segment[1]);
+    const auto [s, t] = closest_shares(x[1] - x[0], y[1] - y[0], x[0] - y[0]);
+    const double apart = (x[0] - y[0] + s * (x[1] - x[0]) - t * (y[1] - y[0])).norm();
+    if (apart > (1.0 + beside_share) * (one.radius + other.radius)) continue;
+    for (const std::size_t side : {0, 1}) {
+      const std::size_t node = first_node(pair.strand[side]) + pair.segment[side];
+      touched_[node] = touched_[node + 1] = 1;
+    }
+  }
+}
 
 /// Of neighbouring pairs that have the place where a segment begins in common, one has it.
 bool ThreadCrossings::has_before(const Pair& pair, std::size_t side) const {
@@ -90,7 +137,8 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
   const auto [s0, t0] = closest_shares(dx, dy, from0);
   const double at_start = (from0 + s0 * dx - t0 * dy).norm();
   if (!(at_start > 0.0)) return;  // on no side of each other
-  const double left = (1.0 - parted_at_a_time) * std::max(0.0, least - at_start);
+  const double within = std::max(0.0, least - at_start);
+  const double left = within - std::min(parted_at_a_time * within, dt_ * parted_in_a_second * least);
   std::array<std::array<double, 2>, 2> places{closest_shares(ex, ey, to0)};
   std::size_t count = 1;
   const double crossed = ex.cross(ey).squaredNorm(), product = ex.squaredNorm() * ey.squaredNorm();
@@ -113,7 +161,11 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
     const Vec3 from = from0 + s * dx - t * dy, to = to0 + s * ex - t * ey;
     const double length = to.norm(), started = from.norm();
     const bool is_crossed = !is_along && s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0;
-    Cross cross{.pair = number, .place = static_cast<int>(k), .share = {s, t}};
+    Cross cross{.pair = number,
+                .place = static_cast<int>(k),
+                .rod = {one.rod, other.rod},
+                .at = {ThreadRod::Point{p, s}, ThreadRod::Point{q, t}},
+                .least = least};
     if (!(started > 0.0)) continue;
     if (is_crossed && length > tiny_share * least) {
       cross.normal = (from.dot(to) < 0.0 ? -1.0 : 1.0) / length * to;
@@ -132,141 +184,127 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
   }
 }
 
-Vec3 ThreadCrossings::way(const Cross& cross) const {
-  Vec3 sum = Vec3::Zero();
-  for (const std::size_t side : {0, 1}) {
-    const ThreadRod& rod = *strands_[near_[cross.pair].strand[side]].rod;
-    const ThreadRod::Point at{near_[cross.pair].segment[side], cross.share[side]};
-    const Vec3 own = at.weight(0) * rod.way(at.segment) + at.weight(1) * rod.way(at.segment + 1);
-    sum += side == 0 ? own : Vec3(-own);
-  }
-  return sum;
-}
-
 bool ThreadCrossings::update() {
+  met_ *= met_growth;
   bool changes = false;
   before_.swap(crosses_);
   crosses_.clear();
-  for (std::size_t pair = first_; pair < end_; ++pair) measure(pair, crosses_);
+  for (std::size_t pair = begin_; pair < end_; ++pair) measure(pair, crosses_);
   auto known = before_.begin();
   const auto order = [](const Cross& cross) { return std::pair(cross.pair, cross.place); };
   for (Cross& cross : crosses_) {
     while (known != before_.end() && order(*known) < order(cross)) ++known;
     if (known != before_.end() && order(*known) == order(cross)) cross.force = known->force;
-    const auto& strand = near_[cross.pair].strand;
-    const double least = strands_[strand[0]].radius + strands_[strand[1]].radius;
-    changes = changes || cross.missing > met_share * least + cross.compliance * cross.force.norm();
+    changes = changes || cross.missing > met_ * cross.least + cross.compliance * cross.force.norm();
   }
   return changes;
 }
 
-/// Gauss and Seidel's sweeps over the crossings, each of which takes the force that its own way asks for: none along
-/// the normal that draws them together, and none across that is above Coulomb's.
-void ThreadCrossings::find_forces() {
-  const std::size_t count = crosses_.size();
-  ways_.clear();
-  for (const Cross& cross : crosses_) ways_.push_back(way(cross));
-  const auto change = [&](std::size_t c, const Vec3& by) {
-    for (std::size_t k = 0; k < count; ++k) ways_[k] += answers_[k * count + c] * by;
-  };
-  for (std::size_t c = 0; c < count; ++c) {
-    if (crosses_[c].force != Vec3::Zero()) change(c, crosses_[c].force);
+template <class Each>
+void ThreadCrossings::each_rod(Each each) const {
+  for (std::size_t s = first_; s < strands_.size(); ++s) {
+    if (group_[s] == first_) each(*strands_[s].rod);
   }
-  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
-    double most = 0.0, changed = 0.0;
-    for (std::size_t c = 0; c < count; ++c) {
-      Cross& cross = crosses_[c];
-      const Mat3& own = answers_[c * count + c];
-      const Vec3 &n = cross.normal, before = cross.force;
-      const double press = n.dot(before);
-      const double missing = cross.need - n.dot(ways_[c]) - cross.compliance * press;
-      const double now = std::max(0.0, press + missing / (n.dot(own * n) + cross.compliance));
-      Vec3 across = Vec3::Zero();
-      const double limit = cross.friction * now;
-      if (limit > 0.0) {
-        const Vec3 t = n.unitOrthogonal(), b = n.cross(t);
-        Eigen::Matrix<double, 3, 2> plane;
-        plane << t, b;
-        const Eigen::Vector2d had = plane.transpose() * before;
-        const Eigen::Vector2d slid =
-            plane.transpose() * (ways_[c] + (now - press) * (own * n)) + cross.compliance * had;
-        const Eigen::Matrix2d answer = plane.transpose() * own * plane + cross.compliance * Eigen::Matrix2d::Identity();
-        Eigen::Vector2d wanted = had - answer.inverse() * slid;
-        if (wanted.norm() > limit) {
-          wanted = had - slid / answer.trace();
-          if (wanted.norm() > limit) wanted *= limit / wanted.norm();
-        }
-        across = plane * wanted;
-      }
-      cross.force = now * n + across;
-      const Vec3 by = cross.force - before;
-      if (by != Vec3::Zero()) change(c, by);
-      most = std::max(most, cross.force.norm());
-      changed = std::max(changed, by.norm());
+}
+
+/// Axes and answers of each place alone, and its force of the round before.
+void ThreadCrossings::find_frames() {
+  if (!has_answers_) each_rod([](ThreadRod& rod) { rod.find_answers(); });
+  has_answers_ = true;
+  free_.clear();
+  force_.clear();
+  for (Cross& cross : crosses_) {
+    const auto& [one, other] = cross.rod;
+    const Mat3 own = one->answer(cross.at[0]) + other->answer(cross.at[1]);
+    const Vec3 n = cross.normal, t = n.unitOrthogonal(), b = n.cross(t);
+    const double angle = 0.5 * std::atan2(2.0 * t.dot(own * b), t.dot(own * t) - b.dot(own * b));
+    const Vec3 across = std::cos(angle) * t + std::sin(angle) * b;
+    cross.frame << n, across, n.cross(across);
+    for (int a = 0; a < 3; ++a) cross.answer[a] = cross.frame.col(a).dot(own * cross.frame.col(a)) + cross.compliance;
+    free_.push_back(cross.frame.transpose() * (one->way(cross.at[0]) - other->way(cross.at[1])) -
+                    Vec3(cross.need, 0, 0));
+    force_.push_back(projected(cross.frame.transpose() * cross.force, Vec3::Zero(), cross.answer, cross.friction));
+  }
+}
+
+void ThreadCrossings::respond(const VecList& forces, VecList& open) {
+  each_rod([](ThreadRod& rod) { rod.clear_response(); });
+  for (std::size_t c = 0; c < crosses_.size(); ++c) {
+    if (forces[c] == Vec3::Zero()) continue;
+    const Cross& cross = crosses_[c];
+    const Vec3 force = cross.frame * forces[c];
+    cross.rod[0]->push(cross.at[0], force);
+    cross.rod[1]->push(cross.at[1], -force);
+  }
+  each_rod([](ThreadRod& rod) { rod.respond(); });
+  open.clear();
+  for (std::size_t c = 0; c < crosses_.size(); ++c) {
+    const Cross& cross = crosses_[c];
+    const Vec3 way = cross.rod[0]->response(cross.at[0]) - cross.rod[1]->response(cross.at[1]);
+    open.push_back(free_[c] + cross.frame.transpose() * way + cross.compliance * forces[c]);
+  }
+}
+
+void ThreadCrossings::find_forces() {
+  respond(force_, open_);
+  ahead_ = force_;
+  open_ahead_ = open_;
+  double speed = 1.0, settled = 0.0, share = swept_share;
+  for (const Cross& cross : crosses_) settled = std::max(settled, swept_of_missing * cross.missing);
+  bool has_swept = false;
+  for (int sweep = 0; sweep < most_sweeps && !has_swept; ++sweep, share *= swept_growth) {
+    next_.clear();
+    for (std::size_t c = 0; c < crosses_.size(); ++c) {
+      const Cross& cross = crosses_[c];
+      next_.push_back(projected(ahead_[c], open_ahead_[c], steepest_ * cross.answer, cross.friction));
     }
-    if (!(changed > swept_share * most)) break;
+    respond(next_, open_next_);
+    double own = 0.0, all = 0.0, back = 0.0;
+    has_swept = true;
+    for (std::size_t c = 0; c < crosses_.size(); ++c) {
+      const Vec3 change = next_[c] - ahead_[c];
+      if (change == Vec3::Zero()) continue;
+      const Vec3 by_own = crosses_[c].answer.cwiseProduct(change);
+      own += change.dot(by_own);
+      all += change.dot(open_next_[c] - open_ahead_[c]);
+      back -= by_own.dot(next_[c] - force_[c]);
+      has_swept = has_swept && steepest_ * by_own.norm() <= std::max(settled, share * crosses_[c].least);
+    }
+    if (!has_swept && all > (1.0 + 1e-9) * steepest_ * own) {  // too far, so not at all
+      steepest_ = std::max(1.5 * steepest_, all / own);
+      ahead_ = force_;
+      open_ahead_ = open_;
+      speed = 1.0;
+      continue;
+    }
+    if (back > 0.0) speed = 1.0;
+    const double faster = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * speed * speed)), further = (speed - 1.0) / faster;
+    speed = faster;
+    for (std::size_t c = 0; c < crosses_.size(); ++c) {
+      ahead_[c] = next_[c] + further * (next_[c] - force_[c]);
+      open_ahead_[c] = open_next_[c] + further * (open_next_[c] - open_[c]);
+    }
+    force_.swap(next_);
+    open_.swap(open_next_);
   }
 }
 
 void ThreadCrossings::couple() {
   if (crosses_.empty()) return;
-  const std::size_t count = crosses_.size();
-  columns_.resize(std::max(columns_.size(), count));
-  const auto point = [&](const Cross& cross, std::size_t side) {
-    return ThreadRod::Point{near_[cross.pair].segment[side], cross.share[side]};
-  };
-  for (std::size_t c = 0; c < count; ++c) {
-    const Cross& cross = crosses_[c];
-    const auto& strand = near_[cross.pair].strand;
-    const ThreadRod::Point first = point(cross, 0), second = point(cross, 1);
-    const bool is_self = strand[0] == strand[1];
-    strands_[strand[0]].rod->respond(first, is_self ? &second : nullptr, columns_[c][0].response);
-    columns_[c][0].strand = strand[0];
-    columns_[c][1].strand = strand[1];
-    if (is_self) {
-      columns_[c][1].response.clear();
-    } else {
-      strands_[strand[1]].rod->respond(second, nullptr, columns_[c][1].response);
-    }
-  }
-  answers_.assign(count * count, Mat3::Zero());
-  for (std::size_t c = 0; c < count; ++c) {
-    const auto& strand = near_[crosses_[c].pair].strand;
-    for (const std::size_t side : {0, 1}) {
-      const ThreadRod::Point at = point(crosses_[c], side);
-      for (std::size_t k = 0; k < count; ++k) {
-        for (const std::size_t other : {0, 1}) {
-          const Column& column = columns_[k][other];
-          if (column.strand != strand[side] || column.response.empty()) continue;
-          Mat3& answer = answers_[c * count + k];
-          for (const std::size_t end : {0, 1}) {
-            const double weight = (side == other ? 1.0 : -1.0) * at.weight(end);
-            const std::size_t row = 4 * (static_cast<std::size_t>(at.segment) + end);
-            for (int a = 0; a < 3; ++a) answer.row(a) += weight * column.response[row + a].transpose();
-          }
-        }
-      }
-    }
-  }
+  find_frames();
   find_forces();
-  for (std::size_t c = 0; c < count; ++c) {
-    const Vec3& force = crosses_[c].force;
-    if (force == Vec3::Zero()) continue;
-    for (const std::size_t side : {0, 1}) {
-      const Column& column = columns_[c][side];
-      if (!column.response.empty()) strands_[column.strand].rod->add(column.response, side == 0 ? force : Vec3(-force));
-    }
-  }
+  respond(force_, open_);
+  each_rod([](ThreadRod& rod) { rod.add_response(); });
+  for (std::size_t c = 0; c < crosses_.size(); ++c) crosses_[c].force = crosses_[c].frame * force_[c];
 }
 
 bool ThreadCrossings::add_forces(std::size_t strand, VecList& forces) const {
   bool any = false;
   for (const Cross& cross : crosses_) {
-    const Pair& pair = near_[cross.pair];
     for (const std::size_t side : {0, 1}) {
-      if (pair.strand[side] != strand) continue;
+      if (near_[cross.pair].strand[side] != strand) continue;
       any = true;
-      const ThreadRod::Point at{pair.segment[side], cross.share[side]};
+      const ThreadRod::Point& at = cross.at[side];
       for (const std::size_t end : {0, 1}) {
         forces[static_cast<std::size_t>(at.segment) + end] += (side == 0 ? 1.0 : -1.0) * at.weight(end) * cross.force;
       }

@@ -3,17 +3,18 @@
 // Free threads that touch themselves and each other (Thread::touches). Where two segments are nearer to each other than
 // the sum of their radii, a force acts on one and its opposite on the other, each split between its two nodes. These
 // forces couple nodes that are far from each other in the band. So each iteration of the rods first leaves them out;
-// how the ways at all such places answer to all forces follows from the factored bands, and the forces from sweeps over
-// this small dense system, with Coulomb's law. This is the same iteration as with the forces in the matrix (M. A.
-// Woodbury, "Inverting modified matrices", 1950).
+// then an accelerated projected gradient method finds them, with Coulomb's law (H. Mazhar, T. Heyn, D. Negrut,
+// A. Tasora, "Using Nesterov's method to accelerate multibody dynamics with friction and contact", ACM Trans. Graph. 34
+// (2015) 32). A sweep costs one solution with the factored bands, and the step has at most so many sweeps: so its cost
+// grows as nodes and places together.
 //
 // Two segments keep the side on which they were at the step's start: of the points that are closest at its end, the
-// vector between them must not have turned round.
+// vector between them must not have turned round. Nothing is kept from step to step.
 #pragma once
 
 #include <array>
 #include <cstddef>
-#include <span>
+#include <cstdint>
 #include <vector>
 
 #include "thread_rod.h"
@@ -25,20 +26,20 @@ class ThreadCrossings {
   struct Strand {
     ThreadRod* rod = nullptr;
     double radius = 0.0, friction = 0.0, stiffest = 0.0;  // m, Coulomb's, N/m
-    double dt = 0.0;                                      // s
-    double surprise = 0.0;  // m: how far a node may go in the step otherwise than by its speed
   };
-  void forget() { then_.clear(); }  ///< strands or places changed otherwise than step by step
+  /// Before a step of dt, s: start(), add() for each, give() for nodes of the strand that was added last, find().
+  void start(double dt);
+  void add(const Strand& strand, double surprise);  ///< m: how far a node may go otherwise than by its speed
+  void give(Index node, const Vec3& way);           ///< m: it goes this way, and draws those that are near with it
+  void find();                                      ///< which segments may touch in the step, from ThreadRod::state()
 
-  /// Before a step: which strands may touch in it, from ThreadRod::state(). Returns groups of rows of `strands`; a
-  /// strand that touches no other one is a group by itself.
-  const std::vector<std::vector<std::size_t>>& find(std::vector<Strand> strands);
-
-  std::size_t strand_of(const ThreadRod& rod) const;
-
-  /// The group that a strand is of; its rods have begun the step. Then in each round: update(), ThreadRod::iterate() of
-  /// all, couple().
-  void begin(std::size_t strand);
+  /// Of the strands that are to be solved with this one the first.
+  std::size_t first_of(std::size_t strand) const { return group_[strand]; }
+  /// The group that begins with a strand; its rods have begun the step. Then in each round: update(),
+  /// ThreadRod::iterate() of all, couple().
+  void begin(std::size_t first);
+  /// Whether some of ThreadState::touch of the step before may be another segment's.
+  bool has_touched(std::size_t strand, Index node) const { return touched_[first_node(strand) + node] != 0; }
   bool update();  ///< what touches after the last iteration, and how. False: as before it
   void couple();
   bool empty() const { return crosses_.empty(); }
@@ -46,53 +47,76 @@ class ThreadCrossings {
   bool add_forces(std::size_t strand, VecList& forces) const;
 
  private:
+  struct Box {
+    Vec3 low{0, 0, 0}, high{0, 0, 0};  // m
+    bool meets(const Box& other) const {
+      for (int a = 0; a < 3; ++a) {
+        if (low[a] > other.high[a] || other.low[a] > high[a]) return false;
+      }
+      return true;
+    }
+    void add(const Box& other) {
+      low = low.cwiseMin(other.low);
+      high = high.cwiseMax(other.high);
+    }
+  };
+  /// Neighbouring segments.
+  struct Run {
+    std::size_t strand = 0;
+    Index first = 0, end = 0;
+    Box box;
+  };
   struct Pair {
     std::array<std::size_t, 2> strand{};
     std::array<Index, 2> segment{};  // of the same strand: the second one is behind the first
-    std::size_t group = 0;
   };
   struct Cross {
     std::size_t pair = 0;
     int place = 0;  // of two segments that lie along each other: either end of what they share
-    std::array<double, 2> share{};
-    Vec3 normal{0, 0, 0};     // from the second to the first
-    double need = 0.0;        // m, of the first one's way against the second, along the normal
-    double missing = 0.0;     // m, after the last iteration; below 0: they are farther apart than they must be
-    double compliance = 0.0;  // m/N
-    double friction = 0.0;    // Coulomb's
-    Vec3 force{0, 0, 0};      // N, on the first
-  };
-  struct Column {
-    std::size_t strand = 0;
-    VecList response;  // ThreadRod::respond()
+    std::array<ThreadRod*, 2> rod{};
+    std::array<ThreadRod::Point, 2> at{};
+    double least = 0.0;             // m, the sum of radii
+    Vec3 normal{0, 0, 0};           // from the second to the first
+    double need = 0.0;              // m, of the first one's way against the second, along the normal
+    double missing = 0.0;           // m, after the last iteration; below 0: they are farther apart than they must be
+    double compliance = 0.0;        // m/N
+    double friction = 0.0;          // Coulomb's
+    Vec3 force{0, 0, 0};            // N, on the first
+    Mat3 frame = Mat3::Identity();  // columns: the normal, and axes across it along which the answer is diagonal
+    Vec3 answer{0, 0, 0};           // m/N, by these axes: of the way to a force here alone
   };
 
+  std::size_t first_node(std::size_t strand) const { return from_[strand] + strand; }
   bool is_neighbour(const Strand& strand, Index first, Index second) const;
-  bool knows_near(double reach) const;
-  void find_places();
-  bool is_within(std::size_t a, std::size_t b, double reach) const;
-  void find_near(double reach);
-  void find_groups();
+  void find_boxes();
+  void find_pairs(const Run& one, const Run& other);
+  std::size_t root_of(std::size_t strand) const;
   void measure(std::size_t pair, std::vector<Cross>& found) const;
   bool has_before(const Pair& pair, std::size_t side) const;
-  Vec3 way(const Cross& cross) const;
+  template <class Each>
+  void each_rod(Each each) const;
+  void find_frames();
+  void respond(const VecList& forces, VecList& open);
   void find_forces();
 
+  double dt_ = 0.0;  // s
   std::vector<Strand> strands_;
-  std::vector<Pair> listed_, near_;  // since the last find_near(); of the step, by group
-  std::vector<std::vector<std::size_t>> groups_;
-  std::size_t first_ = 0, end_ = 0;             // of the group in near_
-  std::vector<Cross> crosses_, before_;         // of this round and the one before
-  std::vector<std::array<Column, 2>> columns_;  // [crosses_]; the second one is not used where a strand touches itself
-  std::vector<Mat3> answers_;  // m/N [crosses_][crosses_]: how the way at the first answers to the force at the second
-  VecList ways_;               // m [crosses_]: of the first against the second
-  VecList middle_, going_;     // m, of segments of all strands: where they are, and their way by their speed
-  std::vector<double> half_, room_;  // m, of each: half its length, and what it may go besides with its radius
-  std::vector<std::size_t> from_;    // [strands]: first segment in middle_
-  // Of the last find_near().
-  VecList then_;                   // m: middle_
-  std::vector<double> then_half_;  // m: half_
-  double reach_ = 0.0;             // m
+  std::vector<std::size_t> from_, group_;  // [strands]: first segment in boxes_; strand
+  VecList going_;                          // m, of nodes of all strands: their way by their speed
+  std::vector<double> surprise_;           // m, of nodes of all strands
+  std::vector<std::uint8_t> touched_;      // of nodes of all strands
+  std::vector<Box> boxes_;                 // of segments of all strands: where they may be in the step
+  std::vector<Run> runs_;                  // along x
+  std::vector<Pair> near_;                 // of the step, by group
+  // Of the group at hand.
+  std::size_t first_ = 0, begin_ = 0, end_ = 0;  // its first strand; in near_
+  std::vector<Cross> crosses_, before_;          // of this round and the one before
+  bool has_answers_ = false;                     // the rods' own ones
+  double met_ = 0.0;                             // of the sum of radii, by which segments may still be too near
+  double steepest_ = 1.0;  // of the answer to forces at all places, by each place's own: no more than that
+  // [crosses_], by their axes. open: m, the way beyond the one that is needed, with compliance; of a solution 0 where a
+  // force is free.
+  VecList free_, force_, open_, ahead_, open_ahead_, next_, open_next_;  // of no force; N, m
 };
 
 }  // namespace phymul

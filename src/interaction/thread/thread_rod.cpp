@@ -37,7 +37,7 @@ ThreadRod::ThreadRod(const SceneThread& thread)
   along_.resize(n - 1);
   given_.resize(n);
   tension_.resize(n - 1);
-  matrix_.resize(4 * n * row);
+  matrix_.resize((4 * n + band) * row);  // rows of zeros for respond()
   value_.resize(4 * n);
 }
 
@@ -222,36 +222,94 @@ void ThreadRod::iterate(std::span<const Push> pushes) {
   }
 }
 
-void ThreadRod::respond(const Point& point, const Point* opposite, VecList& response) const {
-  const std::size_t n = value_.size();
-  response.assign(n, Vec3::Zero());
-  std::size_t first = n;
-  for (const auto& [at, sign] : {std::pair(&point, 1.0), std::pair(opposite, -1.0)}) {
-    if (at == nullptr) continue;
-    for (const std::size_t end : {0, 1}) {
-      const std::size_t node = static_cast<std::size_t>(at->segment) + end;
-      for (int a = 0; a < 3; ++a) {
-        if ((given_[node] >> a & 1) == 0) response[4 * node + a][a] += sign * at->weight(end);
-      }
-      first = std::min(first, 4 * node);
+void ThreadRod::clear_response() {
+  low_ = value_.size();
+  response_.assign(value_.size(), 0.0);
+}
+
+void ThreadRod::push(const Point& point, const Vec3& force) {
+  low_ = std::min(low_, 4 * static_cast<std::size_t>(point.segment));
+  for (const std::size_t end : {0, 1}) {
+    const std::size_t node = static_cast<std::size_t>(point.segment) + end;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if ((given_[node] >> a & 1) == 0) response_[4 * node + a] += point.weight(end) * force[a];
     }
-  }
-  for (std::size_t j = first; j < n; ++j) {
-    const std::size_t below = std::min<std::size_t>(band, n - 1 - j);
-    for (std::size_t i = 1; i <= below; ++i) response[j + i] -= matrix_[(j + i) * row + band - i] * response[j];
-    response[j] /= matrix_[j * row + band];
-  }
-  for (std::size_t j = n; j-- > 0;) {
-    const std::size_t below = std::min<std::size_t>(band, n - 1 - j);
-    for (std::size_t i = 1; i <= below; ++i) response[j] -= matrix_[(j + i) * row + band - i] * response[j + i];
   }
 }
 
-void ThreadRod::add(const VecList& response, const Vec3& force) {
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    for (std::size_t a = 0; a < 3; ++a) way_[i][a] += response[4 * i + a].dot(force);
-    if (i + 1 < place_.size() && !state_.broken[i]) tension_[i] += response[4 * i + 3].dot(force);
+/// The last values are kept apart and subtracted in their order, so that a row need wait for one of them only.
+void ThreadRod::respond() {
+  const std::size_t n = value_.size();
+  std::array<double, band> last{};
+  const auto keep = [&](double& value, double sum) {
+    for (std::size_t i = 1; i < band; ++i) last[i - 1] = last[i];
+    last[band - 1] = value = sum;
+  };
+  for (std::size_t j = low_; j < n; ++j) {
+    const double* const own = &matrix_[j * row];
+    double sum = response_[j];
+    for (std::size_t i = 0; i < band; ++i) sum -= own[i] * last[i];
+    keep(response_[j], sum);
   }
+  last.fill(0.0);
+  for (std::size_t j = n; j-- > 0;) {
+    const double* const pivot = &matrix_[j * row + band];
+    double sum = response_[j] / *pivot;
+    for (std::size_t i = 0; i < band; ++i) sum -= pivot[(band - i) * band] * last[i];
+    keep(response_[j], sum);
+  }
+}
+
+Vec3 ThreadRod::response(const Point& point) const {
+  const double* const at = &response_[4 * static_cast<std::size_t>(point.segment)];
+  return point.weight(0) * Vec3(at[0], at[1], at[2]) + point.weight(1) * Vec3(at[4], at[5], at[6]);
+}
+
+void ThreadRod::add_response() {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    for (std::size_t a = 0; a < 3; ++a) way_[i][a] += response_[4 * i + a];
+    if (i + 1 < place_.size() && !state_.broken[i]) tension_[i] += response_[4 * i + 3];
+  }
+}
+
+/// By columns from the last (K. Takahashi, J. Fagan, M. Chen, "Formation of a sparse bus impedance matrix", 1973).
+void ThreadRod::find_answers() {
+  const std::size_t n = value_.size();
+  inverse_.resize(n * row);
+  for (std::size_t j = n; j-- > 0;) {
+    const std::size_t below = std::min<std::size_t>(band, n - 1 - j);
+    double column[row], sums[row];  // of the factor; of the inverse
+    for (std::size_t i = 1; i <= below; ++i) column[i] = matrix_[(j + i) * row + band - i];
+    for (std::size_t i = below; i > 0; --i) {
+      double sum = 0.0;
+      for (std::size_t k = 1; k <= below; ++k) {
+        const std::size_t more = std::max(i, k), less = std::min(i, k);
+        sum -= column[k] * inverse_[(j + more) * row + band - (more - less)];
+      }
+      sums[i] = inverse_[(j + i) * row + band - i] = sum;
+    }
+    double sum = 1.0 / matrix_[j * row + band];
+    for (std::size_t k = 1; k <= below; ++k) sum -= column[k] * sums[k];
+    inverse_[j * row + band] = sum;
+  }
+}
+
+Mat3 ThreadRod::answer(const Point& point) const {
+  Mat3 answer = Mat3::Zero();
+  for (const std::size_t end : {0, 1}) {
+    for (const std::size_t other : {0, 1}) {
+      const std::size_t i = static_cast<std::size_t>(point.segment) + end;
+      const std::size_t k = static_cast<std::size_t>(point.segment) + other;
+      for (std::size_t a = 0; a < 3; ++a) {
+        for (std::size_t b = 0; b < 3; ++b) {
+          if ((given_[i] >> a & 1) != 0 || (given_[k] >> b & 1) != 0) continue;
+          const std::size_t r = std::max(4 * i + a, 4 * k + b), c = std::min(4 * i + a, 4 * k + b);
+          answer(a, b) += point.weight(end) * point.weight(other) * inverse_[r * row + (band + c - r)];
+        }
+      }
+    }
+  }
+  return answer;
 }
 
 bool ThreadRod::has_settled() const {

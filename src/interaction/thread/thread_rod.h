@@ -50,13 +50,22 @@ class ThreadRod {
     double share = 0.0;
     double weight(std::size_t end) const { return end == 0 ? 1.0 - share : share; }  ///< of the node at an end
   };
-  /// How ways and tensions of the last iterate() answer to a force on a point and its opposite on another one, if
-  /// given: [4 N], rows as in the matrix, columns by the force's axes.
-  void respond(const Point& point, const Point* opposite, VecList& response) const;
-  void add(const VecList& response, const Vec3& force);       ///< N: as if the last iterate() had had it
-  void touch(VecList forces) { touch_ = std::move(forces); }  ///< N [N], or empty: ThreadState::touch of the step
+  /// Forces that the last iterate() left out: clear_response(), push() for each, respond(). Then response() has what
+  /// they change in the way of a point, m, and add_response() adds it.
+  void clear_response();
+  void push(const Point& point, const Vec3& force);  ///< N
+  void respond();
+  Vec3 response(const Point& point) const;
+  void add_response();
+  /// How the way of a point answers to a force on it alone, m/N, by the iterate() before find_answers().
+  Mat3 answer(const Point& point) const;
+  void find_answers();
+  VecList& touch() { return touch_; }  ///< N [N], or empty: ThreadState::touch of the step
 
-  Vec3 way(Index node) const { return way_[node]; }             ///< m, of the last iteration
+  Vec3 way(Index node) const { return way_[node]; }  ///< m, of the last iteration
+  Vec3 way(const Point& point) const {
+    return point.weight(0) * way_[point.segment] + point.weight(1) * way_[point.segment + 1];
+  }
   const Vec3& place(Index node) const { return place_[node]; }  ///< m, at the step's start
   bool has_settled() const;                                     ///< segments are as long as their tensions say
   bool is_broken(Index segment) const { return state_.broken[segment] != 0; }
@@ -92,6 +101,9 @@ class ThreadRod {
   VecList touch_;                                            // N, ThreadState::touch
   VecList along_;                                            // [N - 1] unit vectors
   std::vector<double> matrix_, value_;  // [4 N][row], [4 N]: x, y, z of a node, then the tension after it
+  // Where threads touch: the inverse in the band [4 N][row]; the response [4 N]; the first row with a force.
+  std::vector<double> inverse_, response_;
+  std::size_t low_ = 0;
 };
 
 }  // namespace phymul

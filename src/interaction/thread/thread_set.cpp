@@ -48,7 +48,6 @@ void ThreadSet::follow(const Scene& scene, FollowedSurface& surface) {
   }
   threads_ = std::move(now);
   gravity_ = scene.gravity();
-  crossings_.forget();
   find_together();
 }
 
@@ -64,7 +63,6 @@ void ThreadSet::reset(const Scene& scene, const State& state) {
     threads_[row].contacts = std::move(contacts);
   }
   steps_left_ = 1;
-  crossings_.forget();
   find_together();
 }
 
@@ -171,19 +169,21 @@ ThreadSet::Begun ThreadSet::begun(Moving& thread, TouchedParticles& touched, con
   return now;
 }
 
-ThreadContacts::Lying ThreadSet::lying(const Begun& begun, std::span<const ThreadSupport> supports) {
+void ThreadSet::lie(const Begun& begun, std::span<const ThreadSupport> supports, ThreadContacts::Lying& lying) {
   Moving& thread = *begun.thread;
   ThreadRod& rod = std::get<ThreadRod>(thread.body);
   const auto spared = [&](std::size_t t) { return begun.joined[t] && begun.tips[t].in_body ? nodes_in_tissue : 0; };
-  ThreadContacts::Lying lying{
-      .rod = &rod, .contacts = &*thread.contacts, .first = spared(0), .last = rod.last() - spared(1)};
+  lying.rod = &rod;
+  lying.contacts = &*thread.contacts;
+  lying.first = spared(0);
+  lying.last = rod.last() - spared(1);
+  lying.tools.clear();
   for (const ThreadSupport& support : supports) {
     const auto is_own = [&](std::size_t t) {
       return begun.joined[t] && thread.control.ends[t].anchor.tool == support.tool;
     };
     if (!is_own(0) && !is_own(1)) lying.tools.push_back(support);
   }
-  return lying;
 }
 
 void ThreadSet::finish(const Begun& begun, TouchedParticles& touched) {
@@ -210,53 +210,59 @@ void ThreadSet::finish(const Begun& begun, TouchedParticles& touched) {
   }
 }
 
-/// Free threads in order, with what may touch the first one in the step.
-void ThreadSet::find_crossings(double dt) {
-  std::vector<ThreadCrossings::Strand> strands;
-  std::vector<std::size_t> rows;
-  free_.clear();
+void ThreadSet::find_crossings(TouchedParticles& touched, const FindTool& find_tool) {
+  const double dt = touched.dt();
+  crossings_.start(dt);
+  strands_.clear();
   for (std::size_t row = 0; row < threads_.size(); ++row) {
     Moving& thread = threads_[row];
-    auto* const rod = std::get_if<ThreadRod>(&thread.body);
-    if (rod == nullptr) continue;
-    if (!thread.contacts) {
-      free_.push_back({row});
-      continue;
+    if (!thread.contacts) continue;
+    ThreadRod& rod = std::get<ThreadRod>(thread.body);
+    const VecList& position = rod.state().position;
+    strands_.push_back(row);
+    crossings_.add(thread.contacts->strand(rod), dt * dt * gravity_.norm());
+    for (const std::size_t t : {0, 1}) {
+      const ThreadEnd& end = thread.control.ends[t];
+      if (end.hold != TipHold::anchored || !end.anchor.particles.empty()) continue;
+      const Index node = t == 0 ? 0 : rod.last();
+      crossings_.give(node, tip_of(end, &position[node], touched, find_tool).way);
     }
-    double surprise = dt * dt * gravity_.norm();
     for (const HeldNode& held : thread.control.held) {
-      const Vec3 way = (held.position - rod->state().position[held.node]) / steps_left_;
-      surprise = std::max(surprise, (way - dt * rod->state().velocity[held.node]).norm());
+      crossings_.give(held.node, (held.position - position[held.node]) / steps_left_);
     }
-    strands.push_back(thread.contacts->strand(*rod, dt, surprise));
-    rows.push_back(row);
   }
-  if (rows.empty()) return;
-  for (const std::vector<std::size_t>& group : crossings_.find(std::move(strands))) {
-    free_.emplace_back();
-    for (const std::size_t strand : group) free_.back().push_back(rows[strand]);
-  }
-  std::ranges::sort(free_);
+  crossings_.find();
 }
 
+/// Free threads in order, with what may touch the first one in the step.
 void ThreadSet::act_free(TouchedParticles& touched, const FindTool& find_tool,
                          std::span<const ThreadSupport> supports) {
-  find_crossings(touched.dt());
-  for (const std::vector<std::size_t>& rows : free_) {
-    std::vector<Begun> together;
-    for (const std::size_t row : rows) together.push_back(begun(threads_[row], touched, find_tool, rows));
-    if (Moving& only = threads_[rows.front()]; only.contacts) {
-      std::vector<ThreadContacts::Lying> all;
-      for (const Begun& begun : together) {
-        all.push_back(lying(begun, supports));
-        all.back().strand = crossings_.strand_of(*all.back().rod);
-      }
-      crossings_.begin(all.front().strand);
-      ThreadContacts::solve(all, crossings_, touched);
+  find_crossings(touched, find_tool);
+  for (std::size_t row = 0, strand = 0; row < threads_.size(); ++row) {
+    if (!std::holds_alternative<ThreadRod>(threads_[row].body)) continue;
+    begun_.clear();
+    if (!threads_[row].contacts) {
+      rows_.assign(1, row);
+      begun_.push_back(begun(threads_[row], touched, find_tool, rows_));
+      std::get<ThreadRod>(threads_[row].body).solve();
     } else {
-      std::get<ThreadRod>(only.body).solve();
+      const std::size_t first = strand++;
+      if (crossings_.first_of(first) != first) continue;
+      rows_.clear();
+      for (std::size_t s = first; s < strands_.size(); ++s) {
+        if (crossings_.first_of(s) != first) continue;
+        if (rows_.size() == lying_.size()) lying_.emplace_back();
+        lying_[rows_.size()].strand = s;
+        rows_.push_back(strands_[s]);
+      }
+      for (std::size_t k = 0; k < rows_.size(); ++k) {
+        begun_.push_back(begun(threads_[rows_[k]], touched, find_tool, rows_));
+        lie(begun_.back(), supports, lying_[k]);
+      }
+      crossings_.begin(first);
+      ThreadContacts::solve(std::span(lying_).first(rows_.size()), crossings_, touched);
     }
-    for (const Begun& begun : together) finish(begun, touched);
+    for (const Begun& begun : begun_) finish(begun, touched);
   }
 }
 

@@ -82,9 +82,9 @@ class ThreadSet {
   };
   Begun begun(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
               std::span<const std::size_t> together) const;
-  static ThreadContacts::Lying lying(const Begun& begun, std::span<const ThreadSupport> supports);
+  static void lie(const Begun& begun, std::span<const ThreadSupport> supports, ThreadContacts::Lying& lying);
   static void finish(const Begun& begun, TouchedParticles& touched);
-  void find_crossings(double dt);
+  void find_crossings(TouchedParticles& touched, const FindTool& find_tool);
   void act_free(TouchedParticles& touched, const FindTool& find_tool, std::span<const ThreadSupport> supports);
   /// Sewn threads that share particles, or one alone.
   struct Together {
@@ -96,7 +96,10 @@ class ThreadSet {
 
   std::vector<Moving> threads_;
   ThreadCrossings crossings_;
-  std::vector<std::vector<std::size_t>> free_;  // rows of free threads that go through the step together
+  // Of the step: rows of the free threads that touch; of those that go through it together, rows and what they lie on.
+  std::vector<std::size_t> strands_, rows_;
+  std::vector<Begun> begun_;
+  std::vector<ThreadContacts::Lying> lying_;  // as many as there ever were together, for their memory
   std::vector<Together> sewn_;
   std::vector<std::array<Tip, 2>> tips_;  // of the step
   Vec3 gravity_{0, 0, 0};                 // m/s^2
