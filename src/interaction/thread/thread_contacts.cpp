@@ -196,6 +196,7 @@ bool ThreadContacts::update(const Lying& own, const ThreadCrossings& crossings) 
   bool changes = false;
   before_.swap(touches_);
   touches_.clear();
+  if (before_.empty() && facing_.empty() && tools.empty()) return false;
   auto known = before_.begin();
   auto tissue = facing_.begin();
   for (Index i = 0; i <= rod.last(); ++i) {

@@ -15,7 +15,7 @@ constexpr double parted_at_a_time = 0.1, parted_in_a_second = 200.0;
 /// Of the sum of radii: so much farther apart two segments may still be and count, since what moves others moves them.
 constexpr double beside_share = 0.25;
 /// Of the sum of radii: by so little less they may be apart after the last iteration; it grows with each one.
-constexpr double met_share = 1e-3, met_growth = 1.5;
+constexpr double met_share = 2e-3, met_growth = 1.7;
 /// Of the sum of radii: a place of one segment that came so near to one of the other had to stop where it came in,
 /// unless it went round by less than the angle of this cosine.
 constexpr double through_share = 0.9, round_share = 0.5;
@@ -23,10 +23,10 @@ constexpr double through_share = 0.9, round_share = 0.5;
 constexpr double tiny_share = 1e-6;
 /// Squared sine of an angle, below which two segments lie along each other.
 constexpr double along_each_other = 0.05;
-constexpr int most_sweeps = 25;  // of a round
+constexpr int most_sweeps = 20;  // of a round
 /// Sweeps that change ways by less are the last ones: of what is missing before, and of the sum of radii; the latter
 /// grows with each sweep.
-constexpr double swept_of_missing = 0.1, swept_share = 1e-6, swept_growth = 1.35;
+constexpr double swept_of_missing = 0.1, swept_share = 1e-6, swept_growth = 1.5;
 
 /// Shares of the places of two segments that are closest to each other (C. Ericson, Real-Time Collision Detection,
 /// 2005, 5.1.9). `apart`: from the second one's first node to the first one's.
@@ -72,7 +72,7 @@ Vec3 projected(const Vec3& y, const Vec3& g, const Vec3& a, double friction) {
     force[1] = r1 / (a[1] + more);
     force[2] = r2 / (a[2] + more);
     size = std::sqrt(force[1] * force[1] + force[2] * force[2]);
-    if (!(size > (1.0 + 1e-12) * limit)) break;
+    if (!(size > (1.0 + 1e-6) * limit)) break;
     const double slope = force[1] * force[1] / (a[1] + more) + force[2] * force[2] / (a[2] + more);
     more += (size / limit - 1.0) * size * size / slope;
   }
