@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>
 
+#include "support/allocation_count.h"
 #include "support/joined_particles.h"
 
 namespace phymul::test {
@@ -278,6 +280,91 @@ TEST(ThreadCrossing, OnlyThreadsThatTouchDo) {
   ASSERT_TRUE(body.solver->step(10, crossing_step).ok());
   for (const Vec3& v : body.state("lower").velocity) EXPECT_LT(v.norm(), 1e-12);
   EXPECT_TRUE(body.state("upper").touch.empty());
+}
+
+/// Two that lie along each other: four times as many nodes take about four times as long. As their square it would be
+/// 16 times.
+TEST(ThreadCrossing, AStepCostsAsItsNodes) {
+  std::array<double, 2> quickest{1.0, 1.0};  // s
+  for (const std::size_t k : {0, 1}) {
+    ThreadsAlone body;
+    const Index nodes = k == 0 ? 50 : 200;
+    const Thread thread{.length = 1e-3 * (nodes - 1), .segment = 1e-3, .touches = true};
+    const ThreadHandle lower = body.scene.add_thread("lower", thread, {0, 0, 0}, {1, 0, 0});
+    for (Index i = 0; i < nodes; ++i) lower.hold(i, {1e-3 * i, 0, 0});
+    body.scene.add_thread("upper", thread, {2e-4, 0, 1.9 * thread.radius}, {1, 0, 0});
+    body.scene.gravity({0, 0, -9.81});
+    body.start();
+    for (int step = 0; step < 15; ++step) {
+      const auto start = std::chrono::steady_clock::now();
+      ASSERT_TRUE(body.solver->step(1, crossing_step).ok());
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      quickest[k] = std::min(quickest[k], taken.count());
+    }
+    EXPECT_FALSE(body.state("upper").touch.empty());
+  }
+  std::printf("[ COST     ] %.0f us for 50, %.0f us for 200\n", 1e6 * quickest[0], 1e6 * quickest[1]);
+  EXPECT_LT(quickest[1], 10.0 * quickest[0]);
+}
+
+/// One solver goes on, another one is restored before each step: a step depends on the state alone.
+TEST(ThreadCrossing, ARestoredStepHasTheSameBits) {
+  std::array<ThreadsAlone, 2> bodies;
+  for (ThreadsAlone& body : bodies) {
+    const Thread thread{.length = 0.1, .segment = 10e-3, .touches = true, .friction = 0.3};
+    body.scene.add_tool("floor", {.shape = HalfSpace{}});
+    body.scene.add_thread("lower", thread, {0, 0, 0.2e-3}, {1, 0, 0});
+    body.scene.add_thread("upper", thread, {1e-3, 0, 4.6e-3}, {1, 0, 0});
+    body.scene.gravity({0.5, 2, -9.81});
+    body.start();
+  }
+  State state = bodies[0].solver->read();
+  for (int i = 0; i < 11; ++i) {
+    state.threads[0].velocity[i] = Vec3(0.1 * (i % 3), 0.2 * std::sin(1.3 * i), -0.1 * (i % 2));
+    state.threads[1].velocity[i] = Vec3(0, 0, -0.5);
+  }
+  bodies[0].solver->reset(state);
+  for (int k = 0; k < 100; ++k) {
+    bodies[1].solver->restore(bodies[0].solver->snapshot());
+    for (ThreadsAlone& body : bodies) ASSERT_TRUE(body.solver->step(1, 1e-4).ok());
+    ASSERT_EQ(bodies[0].solver->read(), bodies[1].solver->read()) << k;
+  }
+  EXPECT_LT(bodies[0].state("upper").position[5].z(), 1.1e-3) << "they met";
+}
+
+/// Some touch nothing, and two meet: the first time, their places are new.
+TEST(ThreadCrossing, StepsAllocateNothing) {
+  ThreadsAlone body;
+  const Thread thread{.length = 0.03, .touches = true};
+  for (const double y : {0.0, 0.1, 0.2}) body.scene.add_thread(std::to_string(y), thread, {0, y, 0}, {1, 0, 0});
+  body.scene.add_thread("upper", thread, {0.01, -0.015, 0.97e-3}, {0, 1, 0});
+  body.start();
+  for (const bool is_first : {true, false}) {
+    body.throw_at("upper", {0, 0, -1});
+    const std::size_t before = allocation_count();
+    for (int step = 0; step < 10; ++step) ASSERT_TRUE(body.solver->step(1, crossing_step).ok());
+    if (!is_first) {
+      EXPECT_EQ(allocation_count(), before);
+    }
+    EXPECT_GT(body.state("upper").velocity[5].z(), -0.9) << "they met";
+    body.solver->reset();
+  }
+}
+
+/// Threads that begin within each other part at a speed that short steps do not raise.
+TEST(ThreadCrossing, DoesNotFlingApart) {
+  for (const double dt : {1e-6, 1e-4}) {
+    ThreadsAlone body;
+    const Thread thread{.length = 0.03, .touches = true};
+    body.scene.add_thread("lower", thread, {-0.015, 0, 0}, {1, 0, 0});
+    body.scene.add_thread("upper", thread, {0, -0.015, 0.5 * thread.radius}, {0, 1, 0});
+    body.start();
+    for (int k = 0; k < 50; ++k) {
+      ASSERT_TRUE(body.solver->step(1, dt).ok());
+      for (const Vec3& velocity : body.state("upper").velocity) ASSERT_LT(velocity.norm(), 0.2) << dt << ", " << k;
+    }
+    EXPECT_GT(body.state("upper").velocity[5].z(), 0.0);
+  }
 }
 
 }  // namespace

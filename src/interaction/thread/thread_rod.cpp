@@ -39,6 +39,10 @@ ThreadRod::ThreadRod(const SceneThread& thread)
   tension_.resize(n - 1);
   matrix_.resize((4 * n + band) * row);  // rows of zeros for respond()
   value_.resize(4 * n);
+  if (!thread.thread.touches) return;
+  for (VecList* list : {&state_.touch, &touch_}) list->reserve(n);
+  inverse_.resize(4 * n * row);
+  response_.resize(4 * n);
 }
 
 void ThreadRod::begin(double dt, const Vec3& gravity) {
@@ -275,7 +279,6 @@ void ThreadRod::add_response() {
 /// By columns from the last (K. Takahashi, J. Fagan, M. Chen, "Formation of a sparse bus impedance matrix", 1973).
 void ThreadRod::find_answers() {
   const std::size_t n = value_.size();
-  inverse_.resize(n * row);
   for (std::size_t j = n; j-- > 0;) {
     const std::size_t below = std::min<std::size_t>(band, n - 1 - j);
     double column[row], sums[row];  // of the factor; of the inverse
