@@ -89,7 +89,6 @@ void ThreadCrossings::begin(std::size_t first) {
   begin_ = static_cast<std::size_t>(range.begin() - near_.begin());
   end_ = static_cast<std::size_t>(range.end() - near_.begin());
   crosses_.clear();
-  has_answers_ = false;
   met_ = met_share / met_growth;
   steepest_ = 1.0;
   for (std::size_t k = begin_; k < end_; ++k) {
@@ -139,8 +138,11 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
   if (!(at_start > 0.0)) return;  // on no side of each other
   const double within = std::max(0.0, least - at_start);
   const double left = within - std::min(parted_at_a_time * within, dt_ * parted_in_a_second * least);
-  std::array<std::array<double, 2>, 2> places{closest_shares(ex, ey, to0)};
-  std::size_t count = 1;
+  std::array<std::array<double, 2>, 3> places{closest_shares(ex, ey, to0)};
+  const auto is_inside = [](const std::array<double, 2>& at) {
+    return at[0] > 0.0 && at[0] < 1.0 && at[1] > 0.0 && at[1] < 1.0;
+  };
+  std::size_t first = 0, count = 1;
   const double crossed = ex.cross(ey).squaredNorm(), product = ex.squaredNorm() * ey.squaredNorm();
   const bool is_along = !(crossed > along_each_other * product);
   if (is_along && product > 0.0) {
@@ -149,18 +151,18 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
     low = std::max(low, 0.0);
     high = std::min(high, 1.0);
     if (low < high) {
-      count = 0;
+      first = is_inside(places[0]) ? 0 : 1;
       for (const double s : {low, high}) {
         places[count++] = {s, std::clamp((to0 + s * ex).dot(ey) / ey.squaredNorm(), 0.0, 1.0)};
       }
     }
   }
-  for (std::size_t k = 0; k < count; ++k) {
+  for (std::size_t k = first; k < count; ++k) {
     const auto [s, t] = places[k];
     if ((s == 0.0 && has_before(pair, 0)) || (t == 0.0 && has_before(pair, 1))) continue;
     const Vec3 from = from0 + s * dx - t * dy, to = to0 + s * ex - t * ey;
     const double length = to.norm(), started = from.norm();
-    const bool is_crossed = !is_along && s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0;
+    const bool is_crossed = !is_along && is_inside(places[k]);
     Cross cross{.pair = number,
                 .place = static_cast<int>(k),
                 .rod = {one.rod, other.rod},
@@ -209,8 +211,6 @@ void ThreadCrossings::each_rod(Each each) const {
 
 /// Axes and answers of each place alone, and its force of the round before.
 void ThreadCrossings::find_frames() {
-  if (!has_answers_) each_rod([](ThreadRod& rod) { rod.find_answers(); });
-  has_answers_ = true;
   free_.clear();
   force_.clear();
   for (Cross& cross : crosses_) {

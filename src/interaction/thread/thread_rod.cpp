@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thread_rod.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -41,7 +42,6 @@ ThreadRod::ThreadRod(const SceneThread& thread)
   value_.resize(4 * n);
   if (!thread.thread.touches) return;
   for (VecList* list : {&state_.touch, &touch_}) list->reserve(n);
-  inverse_.resize(4 * n * row);
   response_.resize(4 * n);
 }
 
@@ -276,41 +276,20 @@ void ThreadRod::add_response() {
   }
 }
 
-/// By columns from the last (K. Takahashi, J. Fagan, M. Chen, "Formation of a sparse bus impedance matrix", 1973).
-void ThreadRod::find_answers() {
-  const std::size_t n = value_.size();
-  for (std::size_t j = n; j-- > 0;) {
-    const std::size_t below = std::min<std::size_t>(band, n - 1 - j);
-    double column[row], sums[row];  // of the factor; of the inverse
-    for (std::size_t i = 1; i <= below; ++i) column[i] = matrix_[(j + i) * row + band - i];
-    for (std::size_t i = below; i > 0; --i) {
-      double sum = 0.0;
-      for (std::size_t k = 1; k <= below; ++k) {
-        const std::size_t more = std::max(i, k), less = std::min(i, k);
-        sum -= column[k] * inverse_[(j + more) * row + band - (more - less)];
-      }
-      sums[i] = inverse_[(j + i) * row + band - i] = sum;
-    }
-    double sum = 1.0 / matrix_[j * row + band];
-    for (std::size_t k = 1; k <= below; ++k) sum -= column[k] * sums[k];
-    inverse_[j * row + band] = sum;
-  }
-}
-
+/// Of the node with what is before it: of a longer thread with both sides it is less, everywhere by about as much.
 Mat3 ThreadRod::answer(const Point& point) const {
   Mat3 answer = Mat3::Zero();
   for (const std::size_t end : {0, 1}) {
-    for (const std::size_t other : {0, 1}) {
-      const std::size_t i = static_cast<std::size_t>(point.segment) + end;
-      const std::size_t k = static_cast<std::size_t>(point.segment) + other;
-      for (std::size_t a = 0; a < 3; ++a) {
-        for (std::size_t b = 0; b < 3; ++b) {
-          if ((given_[i] >> a & 1) != 0 || (given_[k] >> b & 1) != 0) continue;
-          const std::size_t r = std::max(4 * i + a, 4 * k + b), c = std::min(4 * i + a, 4 * k + b);
-          answer(a, b) += point.weight(end) * point.weight(other) * inverse_[r * row + (band + c - r)];
-        }
-      }
+    const std::size_t node = static_cast<std::size_t>(point.segment) + end;
+    Mat3 lower = Mat3::Identity();
+    Vec3 inverse = Vec3::Zero();
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double* const own = &matrix_[(4 * node + a) * row + band];
+      if ((given_[node] >> a & 1) == 0) inverse[a] = 1.0 / own[0];
+      for (std::size_t b = 0; b < a; ++b) lower(a, b) = own[b - a];
     }
+    const Mat3 back = lower.inverse();
+    answer += point.weight(end) * point.weight(end) * back.transpose() * inverse.asDiagonal() * back;
   }
   return answer;
 }

@@ -57,10 +57,8 @@ class ThreadRod {
   void respond();
   Vec3 response(const Point& point) const;
   void add_response();
-  /// How the way of a point answers to a force on it alone, m/N, by the iterate() before find_answers().
-  Mat3 answer(const Point& point) const;
-  void find_answers();
-  VecList& touch() { return touch_; }  ///< N [N], or empty: ThreadState::touch of the step
+  Mat3 answer(const Point& point) const;  ///< m/N, about: of the way of a point to a force on it
+  VecList& touch() { return touch_; }     ///< N [N], or empty: ThreadState::touch of the step
 
   Vec3 way(Index node) const { return way_[node]; }  ///< m, of the last iteration
   Vec3 way(const Point& point) const {
@@ -101,9 +99,8 @@ class ThreadRod {
   VecList touch_;                                            // N, ThreadState::touch
   VecList along_;                                            // [N - 1] unit vectors
   std::vector<double> matrix_, value_;  // [4 N][row], [4 N]: x, y, z of a node, then the tension after it
-  // Where threads touch: the inverse in the band [4 N][row]; the response [4 N]; the first row with a force.
-  std::vector<double> inverse_, response_;
-  std::size_t low_ = 0;
+  std::vector<double> response_;        // [4 N], likewise
+  std::size_t low_ = 0;                 // first row with a force of push()
 };
 
 }  // namespace phymul
