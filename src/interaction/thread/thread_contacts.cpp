@@ -219,7 +219,7 @@ bool ThreadContacts::update(const Lying& own, const ThreadCrossings& crossings) 
         }
         changes = rub(touch, rod) || changes;
       } else {
-        const bool is_known_press = !before.empty() && !crossings.has_touched(own.strand, i);
+        const bool is_known_press = !before.empty() && !crossings.presses(own.strand, i);
         touch.press = is_known_press ? std::max(before[i].dot(touch.normal), 0.0) : 0.0;
         const bool goes_on = touch.press > 0.0 && touch.need - touch.normal.dot(rod.way(i)) > -radius_;
         if (!inside && !goes_on) continue;
@@ -293,18 +293,16 @@ void ThreadContacts::solve(std::span<const Lying> threads, ThreadCrossings& cros
     }
     crossings.couple();
   }
-  for (const Lying& thread : threads) thread.contacts->give_forces(thread, crossings, touched);
+  crossings.give_forces();
+  for (const Lying& thread : threads) thread.contacts->give_forces(thread, touched);
 }
 
-void ThreadContacts::give_forces(const Lying& own, const ThreadCrossings& crossings, TouchedParticles& touched) const {
+void ThreadContacts::give_forces(const Lying& own, TouchedParticles& touched) const {
   ThreadRod& rod = *own.rod;
-  if (touches_.empty() && crossings.empty()) return;
-  VecList& forces = rod.touch();
-  forces.assign(static_cast<std::size_t>(rod.last()) + 1, Vec3::Zero());
-  for (std::size_t k = 0; k < pushes_.size(); ++k) {
+  for (std::size_t k = 0; k < touches_.size(); ++k) {
     const Touch& touch = touches_[k];
     const Vec3 force = pushes_[k].at(rod.way(touch.node));
-    forces[touch.node] += force;
+    rod.touch(touch.node, force);
     if (touch.tool < 0) {
       each_particle(touch, [&](Index i, double share) {
         TouchedParticles::pull(touched[touched.slot(i)], -touched.dt() * share * force);
@@ -315,8 +313,6 @@ void ThreadContacts::give_forces(const Lying& own, const ThreadCrossings& crossi
     tool.force->force -= force;
     tool.force->torque -= (rod.place(touch.node) - tool.end.position).cross(force);
   }
-  const bool crosses = crossings.add_forces(own.strand, forces);
-  if (touches_.empty() && !crosses) forces.clear();
 }
 
 }  // namespace phymul

@@ -89,7 +89,7 @@ class ThreadContacts {
   bool rub(Touch& touch, const ThreadRod& rod) const;
   bool update(const Lying& own, const ThreadCrossings& crossings);
   static void find_stiffness(std::span<const Lying> threads, TouchedParticles& touched);
-  void give_forces(const Lying& own, const ThreadCrossings& crossings, TouchedParticles& touched) const;
+  void give_forces(const Lying& own, TouchedParticles& touched) const;
   void find_pushes();
 
   double radius_, segment_, friction_, stiffest_;  // m, m, Coulomb's, N/m

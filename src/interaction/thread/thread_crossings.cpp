@@ -91,19 +91,6 @@ void ThreadCrossings::begin(std::size_t first) {
   crosses_.clear();
   met_ = met_share / met_growth;
   steepest_ = 1.0;
-  for (std::size_t k = begin_; k < end_; ++k) {
-    const Pair& pair = near_[k];
-    const Strand &one = strands_[pair.strand[0]], &other = strands_[pair.strand[1]];
-    if (one.rod->state().touch.empty() && other.rod->state().touch.empty()) continue;
-    const Vec3 *const x = &one.rod->place(pair.segment[0]), *const y = &other.rod->place(pair.segment[1]);
-    const auto [s, t] = closest_shares(x[1] - x[0], y[1] - y[0], x[0] - y[0]);
-    const double apart = (x[0] - y[0] + s * (x[1] - x[0]) - t * (y[1] - y[0])).norm();
-    if (apart > (1.0 + beside_share) * (one.radius + other.radius)) continue;
-    for (const std::size_t side : {0, 1}) {
-      const std::size_t node = first_node(pair.strand[side]) + pair.segment[side];
-      touched_[node] = touched_[node + 1] = 1;
-    }
-  }
 }
 
 /// Of neighbouring pairs that have the place where a segment begins in common, one has it.
@@ -197,6 +184,10 @@ bool ThreadCrossings::update() {
   for (Cross& cross : crosses_) {
     while (known != before_.end() && order(*known) < order(cross)) ++known;
     if (known != before_.end() && order(*known) == order(cross)) cross.force = known->force;
+    for (const std::size_t side : {0, 1}) {
+      const std::size_t node = first_node(near_[cross.pair].strand[side]) + cross.at[side].segment;
+      pressed_[node] = pressed_[node + 1] = 1;
+    }
     changes = changes || cross.missing > met_ * cross.least + cross.compliance * cross.force.norm();
   }
   return changes;
@@ -298,19 +289,14 @@ void ThreadCrossings::couple() {
   for (std::size_t c = 0; c < crosses_.size(); ++c) crosses_[c].force = crosses_[c].frame * force_[c];
 }
 
-bool ThreadCrossings::add_forces(std::size_t strand, VecList& forces) const {
-  bool any = false;
+void ThreadCrossings::give_forces() const {
   for (const Cross& cross : crosses_) {
     for (const std::size_t side : {0, 1}) {
-      if (near_[cross.pair].strand[side] != strand) continue;
-      any = true;
       const ThreadRod::Point& at = cross.at[side];
-      for (const std::size_t end : {0, 1}) {
-        forces[static_cast<std::size_t>(at.segment) + end] += (side == 0 ? 1.0 : -1.0) * at.weight(end) * cross.force;
-      }
+      const Vec3 force = side == 0 ? cross.force : Vec3(-cross.force);
+      for (const int end : {0, 1}) cross.rod[side]->touch(at.segment + end, at.weight(end) * force);
     }
   }
-  return any;
 }
 
 }  // namespace phymul

@@ -38,13 +38,11 @@ class ThreadCrossings {
   /// The group that begins with a strand; its rods have begun the step. Then in each round: update(),
   /// ThreadRod::iterate() of all, couple().
   void begin(std::size_t first);
-  /// Whether some of ThreadState::touch of the step before may be another segment's.
-  bool has_touched(std::size_t strand, Index node) const { return touched_[first_node(strand) + node] != 0; }
   bool update();  ///< what touches after the last iteration, and how. False: as before it
   void couple();
-  bool empty() const { return crosses_.empty(); }
-  /// Adds what pushes the nodes of a strand, N [N]. False: nothing does.
-  bool add_forces(std::size_t strand, VecList& forces) const;
+  /// Whether a node is where threads touch in the step, so that they may have pressed it in the step before.
+  bool presses(std::size_t strand, Index node) const { return pressed_[first_node(strand) + node] != 0; }
+  void give_forces() const;  ///< ThreadRod::touch()
 
  private:
   struct Box {
@@ -104,7 +102,7 @@ class ThreadCrossings {
   std::vector<std::size_t> from_, group_;  // [strands]: first segment in boxes_; strand
   VecList going_;                          // m, of nodes of all strands: their way by their speed
   std::vector<double> surprise_;           // m, of nodes of all strands
-  std::vector<std::uint8_t> touched_;      // of nodes of all strands
+  std::vector<std::uint8_t> pressed_;      // of nodes of all strands
   std::vector<Box> boxes_;                 // of segments of all strands: where they may be in the step
   std::vector<Run> runs_;                  // along x
   std::vector<Pair> near_;                 // of the step, by group

@@ -105,7 +105,7 @@ void ThreadCrossings::find() {
   }
   group_.resize(strands_.size());
   std::iota(group_.begin(), group_.end(), 0);
-  touched_.assign(going_.size(), 0);
+  pressed_.assign(going_.size(), 0);
   for (const Pair& pair : near_) {
     const std::size_t a = root_of(pair.strand[0]), b = root_of(pair.strand[1]);
     group_[std::max(a, b)] = std::min(a, b);

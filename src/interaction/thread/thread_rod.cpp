@@ -226,6 +226,11 @@ void ThreadRod::iterate(std::span<const Push> pushes) {
   }
 }
 
+void ThreadRod::touch(Index node, const Vec3& force) {
+  if (touch_.empty()) touch_.assign(place_.size(), Vec3::Zero());
+  touch_[node] += force;
+}
+
 void ThreadRod::clear_response() {
   low_ = value_.size();
   response_.assign(value_.size(), 0.0);

@@ -57,8 +57,8 @@ class ThreadRod {
   void respond();
   Vec3 response(const Point& point) const;
   void add_response();
-  Mat3 answer(const Point& point) const;  ///< m/N, about: of the way of a point to a force on it
-  VecList& touch() { return touch_; }     ///< N [N], or empty: ThreadState::touch of the step
+  Mat3 answer(const Point& point) const;      ///< m/N, about: of the way of a point to a force on it
+  void touch(Index node, const Vec3& force);  ///< N, besides: of ThreadState::touch
 
   Vec3 way(Index node) const { return way_[node]; }  ///< m, of the last iteration
   Vec3 way(const Point& point) const {
