@@ -61,29 +61,17 @@ Vec3 touch_sum(const VecList& all) {
   return std::accumulate(all.begin(), all.end(), Vec3(0, 0, 0));
 }
 
-/// m: of two segments. The distance from a place of the first one to the second is convex along the first.
-double least_apart(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const double far = 0.5 * (a + b - c - d).norm() - 0.5 * (b - a).norm() - 0.5 * (d - c).norm();
-  if (far > 1e-3) return far;
-  const auto at = [&](double place) {
-    const Vec3 p = a + place * (b - a);
-    const double share = std::clamp((p - c).dot(d - c) / (d - c).squaredNorm(), 0.0, 1.0);
-    return (c + share * (d - c) - p).norm();
-  };
-  double low = 0.0, high = 1.0;
-  for (int k = 0; k < 40; ++k) {
-    const double one = low + (high - low) / 3.0, other = high - (high - low) / 3.0;
-    (at(one) < at(other) ? high : low) = at(one) < at(other) ? other : one;
-  }
-  return at(low);
-}
-
-/// Of a thread with itself: of segments that are `skipped` or more apart along it.
+/// m: from places of one to the other. Of a thread with itself: of segments that are `skipped` or more apart along it.
 double least_apart(const VecList& x, const VecList& y, std::size_t skipped = 0) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t p = 0; p + 1 < x.size(); ++p) {
     for (std::size_t q = skipped > 0 ? p + skipped : 0; q + 1 < y.size(); ++q) {
-      least = std::min(least, least_apart(x[p], x[p + 1], y[q], y[q + 1]));
+      const Vec3 one = x[p + 1] - x[p], other = y[q + 1] - y[q];
+      if ((x[p] - y[q]).norm() > one.norm() + other.norm() + 1e-3) continue;
+      for (int k = 0; k <= 200; ++k) {
+        const Vec3 off = x[p] + 5e-3 * k * one - y[q];
+        least = std::min(least, (off - std::clamp(off.dot(other) / other.squaredNorm(), 0.0, 1.0) * other).norm());
+      }
     }
   }
   return least;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "thread_crossings.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -113,12 +112,9 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
   const Vec3 u0 = one.rod->way(p), u1 = one.rod->way(p + 1), v0 = other.rod->way(q), v1 = other.rod->way(q + 1);
   const Vec3 from0 = x0 - y0, dx = x1 - x0, dy = y1 - y0;
   const Vec3 to0 = from0 + (u0 - v0), ex = dx + (u1 - u0), ey = dy + (v1 - v0);
-  {
-    const Vec3 from = from0 + 0.5 * (dx - dy), to = to0 + 0.5 * (ex - ey);
-    const double halves = 0.5 * (ex.norm() + ey.norm() + (ex - dx).norm() + (ey - dy).norm());
-    const double near = halves + (1.0 + beside_share) * least + (to - from).norm();
-    if (to.squaredNorm() > near * near) return;
-  }
+  const Vec3 apart = to0 + 0.5 * (ex - ey), gone = apart - from0 - 0.5 * (dx - dy);
+  const double halves = 0.5 * (ex.norm() + ey.norm() + (ex - dx).norm() + (ey - dy).norm());
+  if (apart.norm() > halves + (1.0 + beside_share) * least + gone.norm()) return;
   if (one.rod->is_broken(p) || other.rod->is_broken(q)) return;
   const auto [s0, t0] = closest_shares(dx, dy, from0);
   const double at_start = (from0 + s0 * dx - t0 * dy).norm();
@@ -126,9 +122,7 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
   const double within = std::max(0.0, least - at_start);
   const double left = within - std::min(parted_at_a_time * within, dt_ * parted_in_a_second * least);
   std::array<std::array<double, 2>, 3> places{closest_shares(ex, ey, to0)};
-  const auto is_inside = [](const std::array<double, 2>& at) {
-    return at[0] > 0.0 && at[0] < 1.0 && at[1] > 0.0 && at[1] < 1.0;
-  };
+  const auto is_inside = [](const auto& at) { return std::ranges::min(at) > 0.0 && std::ranges::max(at) < 1.0; };
   std::size_t first = 0, count = 1;
   const double crossed = ex.cross(ey).squaredNorm(), product = ex.squaredNorm() * ey.squaredNorm();
   const bool is_along = !(crossed > along_each_other * product);
@@ -150,12 +144,8 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
     const Vec3 from = from0 + s * dx - t * dy, to = to0 + s * ex - t * ey;
     const double length = to.norm(), started = from.norm();
     const bool is_crossed = !is_along && is_inside(places[k]);
-    Cross cross{.pair = number,
-                .place = static_cast<int>(k),
-                .rod = {one.rod, other.rod},
-                .at = {ThreadRod::Point{p, s}, ThreadRod::Point{q, t}},
-                .least = least};
     if (!(started > 0.0)) continue;
+    Cross cross;
     if (is_crossed && length > tiny_share * least) {
       cross.normal = (from.dot(to) < 0.0 ? -1.0 : 1.0) / length * to;
     } else {
@@ -166,6 +156,11 @@ void ThreadCrossings::measure(std::size_t number, std::vector<Cross>& found) con
     }
     cross.missing = least - left - cross.normal.dot(to);
     if (cross.missing < -beside_share * least) continue;
+    cross.pair = number;
+    cross.place = static_cast<int>(k);
+    cross.rod = {one.rod, other.rod};
+    cross.at = {ThreadRod::Point{p, s}, ThreadRod::Point{q, t}};
+    cross.least = least;
     cross.need = cross.normal.dot(to - from) + cross.missing;
     cross.compliance = 1.0 / std::min(one.stiffest, other.stiffest);
     cross.friction = std::sqrt(one.friction * other.friction);

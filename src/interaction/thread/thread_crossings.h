@@ -12,6 +12,7 @@
 // vector between them must not have turned round. Nothing is kept from step to step.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -45,19 +46,7 @@ class ThreadCrossings {
   void give_forces() const;  ///< ThreadRod::touch()
 
  private:
-  struct Box {
-    Vec3 low{0, 0, 0}, high{0, 0, 0};  // m
-    bool meets(const Box& other) const {
-      for (int a = 0; a < 3; ++a) {
-        if (low[a] > other.high[a] || other.low[a] > high[a]) return false;
-      }
-      return true;
-    }
-    void add(const Box& other) {
-      low = low.cwiseMin(other.low);
-      high = high.cwiseMax(other.high);
-    }
-  };
+  using Box = Eigen::AlignedBox<double, 3>;  // m
   /// Neighbouring segments.
   struct Run {
     std::size_t strand = 0;
@@ -100,19 +89,19 @@ class ThreadCrossings {
   double dt_ = 0.0;  // s
   std::vector<Strand> strands_;
   std::vector<std::size_t> from_, group_;  // [strands]: first segment in boxes_; strand
-  VecList going_;                          // m, of nodes of all strands: their way by their speed
-  std::vector<double> surprise_;           // m, of nodes of all strands
-  std::vector<std::uint8_t> pressed_;      // of nodes of all strands
-  std::vector<Box> boxes_;                 // of segments of all strands: where they may be in the step
-  std::vector<Run> runs_;                  // along x
-  std::vector<Pair> near_;                 // of the step, by group
+  // Of nodes of all strands: m, their way by their speed, and how far they may go besides.
+  VecList going_;
+  std::vector<double> surprise_;
+  std::vector<std::uint8_t> pressed_;
+  std::vector<Box> boxes_;  // of segments of all strands: where they may be in the step
+  std::vector<Run> runs_;   // along x
+  std::vector<Pair> near_;  // of the step, by group
   // Of the group at hand.
   std::size_t first_ = 0, begin_ = 0, end_ = 0;  // its first strand; in near_
   std::vector<Cross> crosses_, before_;          // of this round and the one before
   double met_ = 0.0;                             // of the sum of radii, by which segments may still be too near
   double steepest_ = 1.0;  // of the answer to forces at all places, by each place's own: no more than that
-  // [crosses_], by their axes. open: m, the way beyond the one that is needed, with compliance; of a solution 0 where a
-  // force is free.
+  // [crosses_], by their axes. open: m, the way beyond the one that is needed, with compliance.
   VecList free_, force_, open_, ahead_, open_ahead_, next_, open_next_;  // of no force; N, m
 };
 

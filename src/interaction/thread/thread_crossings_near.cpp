@@ -57,13 +57,13 @@ void ThreadCrossings::find_boxes() {
     for (std::size_t k = 0, own = first_node(s); k < x.size(); ++k, ++own) {
       const Vec3 room = Vec3::Constant(surprise_[own] + (1.0 + room_for_speed_in_radii) * strand.radius);
       const Vec3 end = x[k] + going_[own];
-      const Box box{x[k].cwiseMin(end) - room, x[k].cwiseMax(end) + room};
+      const Box box(x[k].cwiseMin(end) - room, x[k].cwiseMax(end) + room);
       if (k > 0) {
-        last.add(box);
+        last.extend(box);
         boxes_.push_back(last);
         const Index segment = static_cast<Index>(k) - 1;
         if (segment % run_length == 0) runs_.push_back({.strand = s, .first = segment, .end = segment, .box = last});
-        runs_.back().box.add(last);
+        runs_.back().box.extend(last);
         ++runs_.back().end;
       }
       last = box;
@@ -76,9 +76,9 @@ void ThreadCrossings::find_pairs(const Run& one, const Run& other) {
   const bool is_self = one.strand == other.strand;
   for (Index p = one.first; p < one.end; ++p) {
     const Box& box = boxes_[from_[one.strand] + p];
-    if (!box.meets(other.box)) continue;
+    if (!box.intersects(other.box)) continue;
     for (Index q = is_self ? std::max(other.first, p + 2) : other.first; q < other.end; ++q) {
-      if (!box.meets(boxes_[from_[other.strand] + q])) continue;
+      if (!box.intersects(boxes_[from_[other.strand] + q])) continue;
       if (is_self && is_neighbour(strands_[one.strand], p, q)) continue;
       near_.push_back({.strand = {one.strand, other.strand}, .segment = {p, q}});
     }
@@ -94,10 +94,10 @@ std::size_t ThreadCrossings::root_of(std::size_t strand) const {
 void ThreadCrossings::find() {
   find_boxes();
   near_.clear();
-  std::ranges::sort(runs_, {}, [](const Run& run) { return std::tuple(run.box.low.x(), run.strand, run.first); });
+  std::ranges::sort(runs_, {}, [](const Run& run) { return std::tuple(run.box.min().x(), run.strand, run.first); });
   for (std::size_t a = 0; a < runs_.size(); ++a) {
-    for (std::size_t b = a; b < runs_.size() && runs_[b].box.low.x() <= runs_[a].box.high.x(); ++b) {
-      if (!runs_[a].box.meets(runs_[b].box)) continue;
+    for (std::size_t b = a; b < runs_.size() && runs_[b].box.min().x() <= runs_[a].box.max().x(); ++b) {
+      if (!runs_[a].box.intersects(runs_[b].box)) continue;
       const auto order = [](const Run& run) { return std::pair(run.strand, run.first); };
       const bool turned = order(runs_[b]) < order(runs_[a]);
       find_pairs(runs_[turned ? b : a], runs_[turned ? a : b]);
