@@ -291,7 +291,7 @@ Mat3 ThreadRod::answer(const Point& point) const {
     for (std::size_t a = 0; a < 3; ++a) {
       const double* const own = &matrix_[(4 * node + a) * row + band];
       if ((given_[node] >> a & 1) == 0) inverse[a] = 1.0 / own[0];
-      for (std::size_t b = 0; b < a; ++b) lower(a, b) = own[b - a];
+      for (std::size_t b = 0; b < a; ++b) lower(a, b) = *(own - (a - b));
     }
     const Mat3 back = lower.inverse();
     answer += point.weight(end) * point.weight(end) * back.transpose() * inverse.asDiagonal() * back;
