@@ -59,7 +59,7 @@ class ThreadCrossings {
   };
   struct Cross {
     std::size_t pair = 0;
-    int place = 0;  // of two segments that lie along each other: either end of what they share
+    int place = 0;  // 0: where they are nearest; 1, 2: ends of what they share, if they lie along each other
     std::array<ThreadRod*, 2> rod{};
     std::array<ThreadRod::Point, 2> at{};
     double least = 0.0;             // m, the sum of radii
