@@ -59,6 +59,7 @@ SimulationOptions options_for(const phymul_options* given) {
   if (from.step != 0.0) options.step = from.step;
   if (from.rest_tolerance != 0.0) options.solver.rest_tolerance = from.rest_tolerance;
   options.solver.threads = from.threads;
+  options.tick_budget = from.tick_budget;
   if (from.sleeps != 0) options.solver.sleep_tolerance = from.sleep_tolerance;
   if (from.run_parts)
     options.runner = std::make_shared<Runner>(from.run_parts, from.run_parts_user, from.run_parts_width);
@@ -109,7 +110,9 @@ phymul_status step_by(phymul_simulation* sim, phymul_step_report* report, Step&&
                    .springs_broken = done.springs_broken,
                    .tissue_gave_way = done.tissue_gave_way,
                    .uncut = done.uncut,
-                   .torn = done.torn});
+                   .torn = done.torn,
+                   .cut_later = done.cut_later,
+                   .unused = 0});
     if (!done.ok()) throw Failure{PHYMUL_STEP_FAILED, sim->message};
   });
 }

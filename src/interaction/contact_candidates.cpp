@@ -9,9 +9,6 @@
 namespace phymul {
 namespace {
 
-/// Of a length: more than rounding makes of it, and of the coordinates between which it is measured.
-constexpr double of_length = 1e-9, of_places = 1e-14;
-
 /// Of a triangle's area and longest edge, squared: above it a nearest point is good to `of_nearest` of its distance.
 constexpr double thin = 1e-4, of_nearest = 1e-8;
 
@@ -22,37 +19,23 @@ constexpr double least_slack = 0.25, most_slack = 0.5;
 /// Steps that a search is to last, and those that it must last to be worth more slack than none.
 constexpr double wanted_steps = 8.0, least_steps = 2.0;
 
-/// Kept entries a particle: a heap of bodies that lie in each other has as many as it has pairs.
-constexpr std::size_t most_each = 64;
 /// Searches without slack after lists were longer than that: with it they would be made in vain, at twice the cost.
 constexpr int tight_searches = 16;
 /// Further out nothing can be told apart: squares of lengths are no numbers any more.
 constexpr double furthest_place = 1e150;  // m
 
-/// Squared, m2.
-template <class Box>
-double distance(const Box& one, const Box& other) {
-  double sum = 0.0;
-  for (int a = 0; a < 3; ++a) {
-    const double off = std::max(std::max(one.low[a] - other.high[a], other.low[a] - one.high[a]), 0.0);
-    sum += off * off;
-  }
-  return sum;
-}
+}  // namespace
 
 /// m: what may touch of one body is no nearer. What is no skin is at rest further than `skin_factor` edges from each
 /// corner; from the nearest point of the triangle, which is at a right angle to the way there, by Pythagoras.
-template <class Motion>
-double least_apart(const Motion& particles, const Motion& triangles) {
-  if (particles.of_cut && triangles.of_cut) return 0.0;
-  const double skin = ContactSurface::skin_factor * std::max(particles.least_edge, triangles.least_edge);
+double ContactCandidates::Motion::least_apart(const Motion& triangles) const {
+  if (of_cut && triangles.of_cut) return 0.0;
+  const double skin = ContactSurface::skin_factor * std::max(least_edge, triangles.least_edge);
   const double at_rest = skin * skin - triangles.cover * triangles.cover;
   if (!(at_rest > 0.0)) return 0.0;
-  const Vec3 shift = (particles.shift.high - triangles.shift.low).cwiseMax(triangles.shift.high - particles.shift.low);
-  return (1.0 - of_length) * std::sqrt(at_rest) - (1.0 + of_length) * shift.norm();
+  const Vec3 most = (shift.high - triangles.shift.low).cwiseMax(triangles.shift.high - shift.low);
+  return (1.0 - of_length) * std::sqrt(at_rest) - (1.0 + of_length) * most.norm();
 }
-
-}  // namespace
 
 void ContactCandidates::change(const ContactOptions& options) {
   if (options == options_) return;
@@ -130,18 +113,11 @@ bool ContactCandidates::measure(std::span<const Vec3> place) {
   }
   double widest = 0.0;
   for (std::size_t item = 0; item < item_box_.size(); ++item) {
-    Box& box = item_box_[item];
-    box = {};
-    Box& shift = item_motion_[item].shift = {};
-    for (const Index c : surface_->triangles[triangles_.items[item]].corner) {
-      box.add(place[c], place[c]);
-      shift.add(shift_[c], shift_[c]);
-    }
-    const double more = of_places * std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
-    for (Box* const own : {&box, &shift}) {
-      own->low.array() -= more;
-      own->high.array() += more;
-    }
+    const auto triangle = static_cast<std::size_t>(triangles_.items[item]);
+    Box& box = item_box_[item] = box_at(triangle, place);
+    Box& shift = item_motion_[item].shift = box_at(triangle, shift_);
+    const double more = box.rounding();
+    for (Box* const own : {&box, &shift}) own->widen(more);
     widest = std::max(widest, (box.high - box.low).maxCoeff());
   }
   lost_ = !(widest < furthest_place);  // a runaway particle, found out elsewhere
@@ -197,7 +173,7 @@ void ContactCandidates::visit_items(const Box& box, const Motion* own, std::size
                                     Visit visit) const {
   const auto near = [&](const Box& other, const Motion& motion, double by_edge) {
     const double far = std::max(distance_limit, by_edge);
-    return !(distance(box, other) > far * far) && (own == nullptr || !(least_apart(*own, motion) > far));
+    return !(box.squared_distance(other) > far * far) && (own == nullptr || !(own->least_apart(motion) > far));
   };
   const Index end = triangles_.groups[body + 1];
   for (Index at = triangles_.groups[body]; at < end;) {
@@ -226,10 +202,11 @@ bool ContactCandidates::meet(const Cluster& cluster, std::size_t body) {
 
 /// Infinite where it is not within `distance_limit`, m. The box of a triangle alone says so where that is so thin that
 /// rounding may put the nearest point anywhere on it.
-ContactCandidates::Distance ContactCandidates::distance_to(const Vec3& x, Index item, double distance_limit) const {
-  const double of_box = distance(Box{x, x}, item_box_[item]);
+ContactCandidates::Distance ContactCandidates::distance_to(const Vec3& x, std::size_t triangle, const Box& box,
+                                                           double distance_limit) const {
+  const double of_box = box.squared_distance({x, x});
   if (of_box > distance_limit * distance_limit) return {};
-  const auto& corner = surface_->triangles[triangles_.items[item]].corner;
+  const auto& corner = surface_->triangles[triangle].corner;
   const Vec3 &a = then_[corner[0]], &b = then_[corner[1]], &c = then_[corner[2]];
   const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   if (!((b - a).cross(c - a).squaredNorm() > thin * longest * longest)) {
@@ -254,12 +231,12 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   const double facing = (1.0 + of_length) * ContactSurface::facing_share * ranked_edge_;
   double furthest = 0.0, nearest = HUGE_VAL;
   for (const Index item : met_) {
-    const double distance_limit = std::max(item_search_[item], usual), off = distance(here, item_box_[item]);
+    const double distance_limit = std::max(item_search_[item], usual), off = here.squared_distance(item_box_[item]);
     const bool may_reach = distance_limit > furthest, may_be_nearest = off < nearest * nearest;
     if (!(may_reach || may_be_nearest) || off > distance_limit * distance_limit) continue;
     const ContactSurface::Triangle& triangle = triangle_of(item);
     if (surface_->is_own_skin(own, particle, triangle)) continue;
-    const Distance found = distance_to(x, item, distance_limit);
+    const Distance found = distance_to(x, triangles_.items[item], item_box_[item], distance_limit);
     if (found.least == HUGE_VAL) continue;
     furthest = std::max(furthest, distance_limit);
     const double shallow = ContactSurface::depth_factor * std::max(triangle.edge, own.edge);
@@ -270,12 +247,12 @@ bool ContactCandidates::gather(std::size_t particle, const Vec3& x, std::size_t 
   near_.clear();
   const auto add = [&](Index item) {
     if (surface_->is_own_skin(own, particle, triangle_of(item))) return;
-    const double least = distance_to(x, item, furthest).least;
+    const double least = distance_to(x, triangles_.items[item], item_box_[item], furthest).least;
     if (least != HUGE_VAL) near_.push_back({triangles_.items[item], least});
   };
   if (furthest <= usual) {  // all are met
     for (const Index item : met_) {
-      if (!(distance(here, item_box_[item]) > furthest * furthest)) add(item);
+      if (!(here.squared_distance(item_box_[item]) > furthest * furthest)) add(item);
     }
   } else {
     const Motion motion = motion_of(particle);

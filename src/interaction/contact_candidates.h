@@ -96,6 +96,11 @@ class ContactCandidates {
   std::size_t searches() const { return searches_; }  ///< since follow() kept no lists
 
  private:
+  /// Of a length: more than rounding makes of it, and of the coordinates between which it is measured.
+  static constexpr double of_length = 1e-9, of_places = 1e-14;
+  /// Kept entries a particle: a heap of bodies that lie in each other has as many as it has pairs.
+  static constexpr std::size_t most_each = 64;
+
   struct Box {  // empty unless something is added
     Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL);
     void add(const Vec3& from, const Vec3& to) {  // but for what is no number
@@ -103,6 +108,20 @@ class ContactCandidates {
         low[a] = from[a] < low[a] ? from[a] : low[a];
         high[a] = to[a] > high[a] ? to[a] : high[a];
       }
+    }
+    void widen(double by) {
+      low.array() -= by;
+      high.array() += by;
+    }
+    /// m: more than rounding makes of a distance between such places.
+    double rounding() const { return of_places * std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()); }
+    double squared_distance(const Box& other) const {  // m2
+      double sum = 0.0;
+      for (int a = 0; a < 3; ++a) {
+        const double off = std::max(std::max(low[a] - other.high[a], other.low[a] - high[a]), 0.0);
+        sum += off * off;
+      }
+      return sum;
     }
   };
   /// What it takes to see that particles and triangles of one body are apart by more than their skins at rest.
@@ -117,6 +136,7 @@ class ContactCandidates {
       cover = std::max(cover, other.cover);
       of_cut = of_cut || other.of_cut;
     }
+    double least_apart(const Motion& triangles) const;
   };
   struct Cluster {                   // particles of a body that are near each other at rest
     std::size_t first = 0, end = 0;  // items of particles_
@@ -139,10 +159,13 @@ class ContactCandidates {
   void build_whole_trees();
   void build_trees(const std::vector<Index>& particles, const std::vector<Index>& triangles);
   void keep_lists_of(const ContactSurface& before);
+  bool list_new_triangles();
+  void merge(std::vector<std::pair<std::size_t, Near>>& added);
   void search_what_is_new(std::span<const Vec3> place, double margin);
+  double reach() const;
+  double reach_of(const Kept& list) const;
   bool are_near(const Box& a, const Box& b) const;
-  Box box_then(std::size_t triangle) const;
-  bool find_near_new();
+  Box box_at(std::size_t triangle, std::span<const Vec3> place) const;
   std::pair<std::vector<Index>, std::vector<Index>> to_search() const;
   template <class Found>
   void gather_all(Found found);
@@ -156,7 +179,7 @@ class ContactCandidates {
   struct Distance {  // m: of a triangle, which is no nearer and no further
     double least = HUGE_VAL, most = HUGE_VAL;
   };
-  Distance distance_to(const Vec3& x, Index item, double distance_limit) const;
+  Distance distance_to(const Vec3& x, std::size_t triangle, const Box& box, double distance_limit) const;
   bool gather(std::size_t particle, const Vec3& x, std::size_t body);
   std::span<const Near> keep(std::size_t particle);
   double search_distance(double edge) const;

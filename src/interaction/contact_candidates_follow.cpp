@@ -222,7 +222,7 @@ void ContactCandidates::search_what_is_new(std::span<const Vec3> place, double m
   complete_ = true;
   const bool holds = hold(place, margin);
   complete_ = false;
-  if (holds && find_near_new()) {
+  if (holds && list_new_triangles()) {
     const auto [particles, triangles] = to_search();
     std::erase_if(kept_, [&](const Kept& own) { return to_search_[own.particle] != 0; });
     has_all_ = false;
@@ -236,35 +236,87 @@ void ContactCandidates::search_what_is_new(std::span<const Vec3> place, double m
 }
 
 /// m: what is farther apart by places in then_ is listed for nothing.
-bool ContactCandidates::are_near(const Box& a, const Box& b) const {
-  const double reach = search_distance(surface_->longest_edge) + 2.0 * ContactSurface::facing_share * ranked_edge_;
-  return !((a.low - b.high).maxCoeff() > reach || (b.low - a.high).maxCoeff() > reach);
+double ContactCandidates::reach() const {
+  return search_distance(surface_->longest_edge) + 2.0 * ContactSurface::facing_share * ranked_edge_;
 }
 
-ContactCandidates::Box ContactCandidates::box_then(std::size_t triangle) const {
+bool ContactCandidates::are_near(const Box& a, const Box& b) const {
+  return !((a.low - b.high).maxCoeff() > reach() || (b.low - a.high).maxCoeff() > reach());
+}
+
+ContactCandidates::Box ContactCandidates::box_at(std::size_t triangle, std::span<const Vec3> place) const {
   Box box;
-  for (const Index c : surface_->triangles[triangle].corner) box.add(then_[c], then_[c]);
+  for (const Index c : surface_->triangles[triangle].corner) box.add(place[c], place[c]);
   return box;
 }
 
-/// Adds to to_search_ the particles that new triangles may be listed for; not where they are too many to look at.
-bool ContactCandidates::find_near_new() {
+/// m: within it all that may rank first is listed.
+double ContactCandidates::reach_of(const Kept& list) const {
+  double furthest = 0.0;
+  const double own = surface_->particles[list.particle].edge;
+  for (const Near& near : std::span(listed_).subspan(list.first, list.count)) {
+    const double by_edge = search_distance(std::max(own, surface_->triangles[near.triangle].edge));
+    if (near.least <= by_edge) furthest = std::max(furthest, by_edge);
+  }
+  return furthest;
+}
+
+/// Adds them to the lists that there are of their bodies. Particles without one are to be looked for anew, as those of
+/// which a list ends before such a triangle: what is nearer may be of shorter edges, and too far away by these. Not
+/// where there are too many to look at.
+bool ContactCandidates::list_new_triangles() {
   Box around;
+  std::vector<std::size_t> triangles;
   std::vector<Box> boxes;
   for (std::size_t t = 0; t < is_new_triangle_.size(); ++t) {
     if (is_new_triangle_[t] == 0) continue;
-    boxes.push_back(box_then(t));
-    around.add(boxes.back().low, boxes.back().high);
+    triangles.push_back(t);
+    Box& box = boxes.emplace_back(box_at(t, then_));
+    box.widen(box.rounding());
+    around.add(box.low, box.high);
   }
   std::vector<std::size_t> rows;
   for (std::size_t k = 0; k < then_.size(); ++k) {
     if (to_search_[k] == 0 && are_near({then_[k], then_[k]}, around)) rows.push_back(k);
   }
   if (rows.size() * boxes.size() > most_pairs) return false;
+  const RowsByKey lists(kept_.size(), then_.size(), [&](std::size_t k) { return kept_[k].particle; });
+  std::vector<std::pair<std::size_t, Near>> added;  // rows of kept_
   for (const std::size_t k : rows) {
-    to_search_[k] = std::ranges::any_of(boxes, [&](const Box& box) { return are_near({then_[k], then_[k]}, box); });
+    const ContactSurface::Particle& own = surface_->particles[k];
+    for (std::size_t n = 0; n < triangles.size() && to_search_[k] == 0; ++n) {
+      const ContactSurface::Triangle& triangle = surface_->triangles[triangles[n]];
+      if (triangle.body == own.body && !options_.self) continue;
+      const double least = distance_to(then_[k], triangles[n], boxes[n], reach()).least;
+      if (least == HUGE_VAL || surface_->is_own_skin(own, k, triangle)) continue;
+      const bool reaches = least <= search_distance(std::max(own.edge, triangle.edge));
+      const Index list = lists.find(static_cast<Index>(k), [&](std::size_t row) {
+        return kept_[row].count > 0 && surface_->triangles[listed_[kept_[row].first].triangle].body == triangle.body;
+      });
+      if (list >= 0 && (least <= search_distance(own.edge) || least <= reach_of(kept_[list]))) {
+        added.emplace_back(list, Near{static_cast<Index>(triangles[n]), least});
+      } else if (reaches) {
+        to_search_[k] = 1;
+      }
+    }
   }
+  if (2 * listed_.size() + added.size() > most_each * then_.size()) return false;
+  merge(added);
   return true;
+}
+
+/// Each to a row of kept_.
+void ContactCandidates::merge(std::vector<std::pair<std::size_t, Near>>& added) {
+  std::ranges::sort(added, {}, [](const auto& one) { return std::pair(one.first, one.second.least); });
+  for (auto from = added.begin(); from != added.end();) {
+    Kept& own = kept_[from->first];
+    const auto end = std::find_if(from, added.end(), [&](const auto& one) { return one.first != from->first; });
+    const std::size_t first = listed_.size();
+    for (std::size_t k = 0; k < own.count; ++k) listed_.push_back(listed_[own.first + k]);
+    for (; from != end; ++from) listed_.push_back(from->second);
+    own = {own.particle, first, listed_.size() - first};
+    std::ranges::sort(std::span(listed_).subspan(first), {}, &Near::least);
+  }
 }
 
 /// Rows of the particles of to_search_, and of the triangles that may be listed for these.
@@ -277,7 +329,7 @@ std::pair<std::vector<Index>, std::vector<Index>> ContactCandidates::to_search()
     around.add(then_[k], then_[k]);
   }
   for (std::size_t t = 0; t < surface_->triangles.size(); ++t) {
-    if (are_near(box_then(t), around)) found.second.push_back(static_cast<Index>(t));
+    if (are_near(box_at(t, then_), around)) found.second.push_back(static_cast<Index>(t));
   }
   return found;
 }

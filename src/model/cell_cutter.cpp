@@ -39,7 +39,11 @@ class CellCutter {
   CellCutter(const CutBody& body, const CutCells& cut) : body_(body), cut_(cut) {}
 
   BodyCut run() {
-    for (const Index row : cut_.cells) consider(row);
+    std::size_t looked_at = 0;
+    for (std::size_t parted = 0; looked_at < cut_.cells.size() && parted < cut_.most; ++looked_at) {
+      parted += consider(cut_.cells[looked_at]) ? 1 : 0;
+    }
+    if (cut_.later != nullptr) *cut_.later = cut_.cells.size() - looked_at;
     std::vector<Index> corners;
     for (const Piece& piece : pieces_) {
       std::ranges::copy_if(piece.before, std::back_inserter(corners), [](Index i) { return i >= 0; });
@@ -102,61 +106,43 @@ class CellCutter {
   }
 
   /// A cell that the surface crosses behind the front is parted; one that lies on it with a side keeps that in mind.
-  void consider(Index row) {
-    if (!can_cut(row)) return;
+  /// Whether either was so.
+  bool consider(Index row) {
+    if (!can_cut(row)) return false;
     const Cell& cell = body_.model.cells[row];
     const std::size_t corners = cell.particles.size();
     CellCut cut{};
-    int above = 0, below = 0, points = 0;
-    Eigen::Vector4d middle = Eigen::Vector4d::Zero();  // of the section
     for (std::size_t a = 0; a < corners; ++a) {
       cut[a] = cut_.distance(cell.particles[a]);
       if (!std::isfinite(cut[a])) throw Error(std::string(cut_.who) + ": expected finite distances to the surface");
-      above += cut[a] > 0.0 ? 1 : 0;
-      below += cut[a] < 0.0 ? 1 : 0;
     }
-    const bool crosses = above > 0 && below > 0, lies_on = above + below == 1;
-    if (!crosses && !lies_on) return;
-    for (Eigen::Index a = 0; a < static_cast<Eigen::Index>(corners); ++a) {
-      const double at_a = cut[static_cast<std::size_t>(a)];
-      if (at_a == 0.0) {
-        middle[a] += 1.0;
-        ++points;
-      }
-      for (Eigen::Index b = 0; b < a; ++b) {
-        const double at_b = cut[static_cast<std::size_t>(b)];
-        if (at_a * at_b >= 0.0) continue;
-        const double t = at_a / (at_a - at_b);
-        middle[a] += 1.0 - t;
-        middle[b] += t;
-        ++points;
-      }
-    }
-    if (!cut_.passed(row, middle / points)) return;
+    const auto middle = middle_of_section(cut, corners);
+    if (!middle || !cut_.passed(row, *middle)) return false;
     // Particles are copied for all cells around them.
     for (const Index i : cell.particles) {
       for (const Index other : body_.cells_of[i]) {
-        if (!can_cut(other)) return;
+        if (!can_cut(other)) return false;
       }
     }
     BodyCut::Part first = part_of(cell);
     CellCut other_way{};
     for (std::size_t a = 0; a < corners; ++a) other_way[a] = -cut[a];
-    const CellCut& own_way = lies_on && below > 0 ? other_way : cut;
-    if (std::ranges::find(first.cuts, own_way) != first.cuts.end()) return;
+    const bool lies_on = !divides(cut);
+    const CellCut& own_way = lies_on && std::ranges::min(cut) < 0.0 ? other_way : cut;
+    if (std::ranges::find(first.cuts, own_way) != first.cuts.end()) return false;
     // What earlier cuts left of it may lie on one side.
     const double whole = tissue_share(first.cuts, corners);
     first.cuts.push_back(own_way);
     if (lies_on) {
       add_piece(row, false, std::move(first));
-      return;
+      return true;
     }
     const double share = tissue_share(first.cuts, corners) / whole;
-    if (share < no_share || share > 1.0 - no_share) return;
+    if (share < no_share || share > 1.0 - no_share) return false;
     if (std::ranges::count_if(first.cuts, divides) > static_cast<std::ptrdiff_t>(most_cuts)) {
       if (cut_.refused != nullptr) {
         ++*cut_.refused;
-        return;
+        return false;
       }
       throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": " +
                                                 cell_label(body_.model, static_cast<std::size_t>(row)) +
@@ -168,6 +154,7 @@ class CellCutter {
     second.share *= 1.0 - share;
     add_piece(row, false, std::move(first));
     add_piece(row, true, std::move(second));
+    return true;
   }
 
   /// Pieces around the particle, and their faces at it.

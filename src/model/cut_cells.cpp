@@ -128,6 +128,33 @@ double tissue_in_common(const Cell& a, const Cell& b, const std::array<Index, 2>
   return tissue_in_common(a.particles, a.cuts, b.particles, b.cuts, side);
 }
 
+std::optional<Eigen::Vector4d> middle_of_section(const CellCut& cut, std::size_t corners) {
+  int above = 0, below = 0, points = 0;
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (std::size_t a = 0; a < corners; ++a) {
+    above += cut[a] > 0.0 ? 1 : 0;
+    below += cut[a] < 0.0 ? 1 : 0;
+  }
+  const bool crosses = above > 0 && below > 0, lies_on = above + below == 1;
+  if (!crosses && !lies_on) return std::nullopt;
+  for (Eigen::Index a = 0; a < static_cast<Eigen::Index>(corners); ++a) {
+    const double at_a = cut[static_cast<std::size_t>(a)];
+    if (at_a == 0.0) {
+      sum[a] += 1.0;
+      ++points;
+    }
+    for (Eigen::Index b = 0; b < a; ++b) {
+      const double at_b = cut[static_cast<std::size_t>(b)];
+      if (at_a * at_b >= 0.0) continue;
+      const double t = at_a / (at_a - at_b);
+      sum[a] += 1.0 - t;
+      sum[b] += t;
+      ++points;
+    }
+  }
+  return sum / points;
+}
+
 void add_cuts_of_face(std::span<const Index> particles, std::span<const CellCut> of_cell,
                       const std::array<Index, 3>& face, std::vector<FaceCut>& cuts) {
   for (const CellCut& cut : of_cell) {

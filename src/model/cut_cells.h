@@ -6,7 +6,9 @@
 
 #include <phymul/model.h>
 
+#include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,6 +30,10 @@ bool has_tissue(std::span<const FaceCut> cuts);
 double tissue_in_common(const Cell& a, const Cell& b, const std::array<Index, 2>& side);
 double tissue_in_common(std::span<const Index> of_a, std::span<const CellCut> cuts_of_a, std::span<const Index> of_b,
                         std::span<const CellCut> cuts_of_b, const std::array<Index, 2>& side);
+
+/// Barycentric coordinates of the middle of its section, of a triangle the first three, where a cut of this many
+/// corners crosses the cell or lies on a side of it.
+std::optional<Eigen::Vector4d> middle_of_section(const CellCut& cut, std::size_t corners);
 
 /// Adds what the cuts of a cell of these particles are on a face of it. Precondition: the face's particles are the
 /// cell's.

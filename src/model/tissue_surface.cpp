@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -19,7 +18,27 @@ namespace phymul {
 namespace {
 
 using Corner = Eigen::Vector4d;  // barycentric coordinates in a tetrahedron
-using Polygon = std::vector<Corner>;
+
+/// In a face of a tetrahedron or in a section of it: at most 4 corners, and one more for each of three cuts.
+class Polygon {
+ public:
+  static constexpr std::size_t most = 16;
+  void push_back(const Corner& at) {
+    if (count_ < most) corners_[count_++] = at;  // more are rounding's, of a polygon as thin as that
+  }
+  std::size_t size() const { return count_; }
+  bool empty() const { return count_ == 0; }
+  Corner& operator[](std::size_t k) { return corners_[k]; }
+  const Corner& operator[](std::size_t k) const { return corners_[k]; }
+  auto begin() { return corners_.begin(); }
+  auto begin() const { return corners_.begin(); }
+  auto end() { return corners_.begin() + static_cast<std::ptrdiff_t>(count_); }
+  auto end() const { return corners_.begin() + static_cast<std::ptrdiff_t>(count_); }
+
+ private:
+  std::array<Corner, most> corners_;
+  std::size_t count_ = 0;
+};
 
 /// Of the body's spacing, in weights: vertices that differ by less are one.
 constexpr double one_vertex = 1e-6;
@@ -37,7 +56,7 @@ void clip(const CellCut& cut, Polygon& polygon) {
     if (here >= 0.0) clipped.push_back(from);
     if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
   }
-  polygon.swap(clipped);
+  polygon = clipped;
 }
 
 /// Where a cut crosses the whole cell, in order around it; nothing where it only lies on a face.
@@ -45,11 +64,11 @@ Polygon section(const CellCut& cut) {
   Polygon found;
   for (Eigen::Index a = 0; a < 4; ++a) {
     const double at_a = cut[static_cast<std::size_t>(a)];
-    if (at_a == 0.0) found.emplace_back(Corner::Unit(a));
+    if (at_a == 0.0) found.push_back(Corner::Unit(a));
     for (Eigen::Index b = 0; b < a; ++b) {
       const double at_b = cut[static_cast<std::size_t>(b)];
       if (at_a * at_b >= 0.0) continue;
-      found.emplace_back(at_a / (at_a - at_b) * Corner::Unit(b) + at_b / (at_b - at_a) * Corner::Unit(a));
+      found.push_back(at_a / (at_a - at_b) * Corner::Unit(b) + at_b / (at_b - at_a) * Corner::Unit(a));
     }
   }
   const bool parts = std::ranges::any_of(cut, [](double v) { return v > 0.0; }) &&
@@ -68,7 +87,8 @@ Polygon section(const CellCut& cut) {
 
 class TissueSurfaceBuilder {
  public:
-  explicit TissueSurfaceBuilder(const Model& model) : model_(model), of_particle_(model.rest.size(), -1) {}
+  explicit TissueSurfaceBuilder(const Model& model)
+      : model_(model), of_particle_(model.rest.size(), -1), last_with_(model.rest.size(), -1) {}
 
   TissueSurface build(const OuterFaces& outer) {
     outer.each(model_, [&](std::span<const OuterFace> faces) {
@@ -91,6 +111,12 @@ class TissueSurfaceBuilder {
   }
 
  private:
+  using Key = std::array<std::pair<Index, std::int64_t>, 4>;
+  struct Known {
+    Key key{};           // of those that are no particles
+    Index earlier = -1;  // vertex with the same first particle
+  };
+
   void add_face(const OuterFace& own) {
     if (!own.is_cut) {  // as of all cells but tetrahedra
       std::array<Index, 4> corners{};
@@ -104,7 +130,7 @@ class TissueSurfaceBuilder {
     const Cell& cell = *own.cell;
     Polygon face;
     for (std::size_t k = 0; k < 3; ++k) {
-      face.emplace_back(Corner::Unit(std::ranges::find(cell.particles, own.ring[k]) - cell.particles.begin()));
+      face.push_back(Corner::Unit(std::ranges::find(cell.particles, own.ring[k]) - cell.particles.begin()));
     }
     for (const CellCut& cut : cell.cuts) clip(cut, face);
     add(cell, face, false);
@@ -132,12 +158,13 @@ class TissueSurfaceBuilder {
   }
 
   void add(const Cell& cell, const Polygon& polygon, bool of_cut) {
-    std::vector<Index> corners;
+    std::array<Index, Polygon::most> corners{};
+    std::size_t count = 0;
     for (const Corner& at : polygon) {
       const Index made = vertex(cell, at);
-      if (corners.empty() || (corners.back() != made && corners.front() != made)) corners.push_back(made);
+      if (count == 0 || (corners[count - 1] != made && corners[0] != made)) corners[count++] = made;
     }
-    add_fan(corners, of_cut);
+    add_fan(std::span(corners).first(count), of_cut);
   }
 
   void add_fan(std::span<const Index> corners, bool of_cut) {
@@ -147,12 +174,15 @@ class TissueSurfaceBuilder {
     }
   }
 
+  Index add_vertex(const TissueVertex& made, const Known& known) {
+    surface_.vertices.push_back(made);
+    known_.push_back(known);
+    return static_cast<Index>(known_.size() - 1);
+  }
+
   Index vertex(Index particle) {
     Index& known = of_particle_[particle];
-    if (known < 0) {
-      known = static_cast<Index>(surface_.vertices.size());
-      surface_.vertices.push_back({{particle, -1, -1, -1}, {1.0}});
-    }
+    if (known < 0) known = add_vertex({{particle, -1, -1, -1}, {1.0}}, {});
     return known;
   }
 
@@ -168,19 +198,20 @@ class TissueSurfaceBuilder {
     std::sort(weights.begin(), weights.begin() + count);
     Key key;
     for (std::size_t k = 0; k < 4; ++k) key[k] = {weights[k].first, std::llround(weights[k].second / one_vertex)};
-    const auto [known, is_new] = known_.try_emplace(key, static_cast<Index>(surface_.vertices.size()));
-    if (is_new) {
-      TissueVertex& made = surface_.vertices.emplace_back();
-      for (std::size_t k = 0; k < 4; ++k) std::tie(made.particles[k], made.weights[k]) = weights[k];
+    Index& last = last_with_[weights[0].first];
+    for (Index known = last; known >= 0; known = known_[known].earlier) {
+      if (known_[known].key == key) return known;
     }
-    return known->second;
+    TissueVertex made;
+    for (std::size_t k = 0; k < 4; ++k) std::tie(made.particles[k], made.weights[k]) = weights[k];
+    return last = add_vertex(made, {key, last});
   }
 
   const Model& model_;
   TissueSurface surface_;
-  using Key = std::array<std::pair<Index, std::int64_t>, 4>;
   std::vector<Index> of_particle_;  // [N] vertices that are particles; -1: not yet
-  std::map<Key, Index> known_;      // the others
+  std::vector<Index> last_with_;    // [N] of the others, the last one of which this is the first particle; -1: none yet
+  std::vector<Known> known_;        // [vertices]
 };
 
 }  // namespace

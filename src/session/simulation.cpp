@@ -54,6 +54,9 @@ Simulation::Parts::Parts(Model model_in, SimulationOptions options_in)
   if (options.step && (!(*options.step > 0.0) || !std::isfinite(*options.step))) {
     throw Error("SimulationOptions::step must be finite and above 0; got " + to_decimal(*options.step));
   }
+  if (options.tick_budget < 0) {
+    throw Error("SimulationOptions::tick_budget must be 0 or more cells; got " + std::to_string(options.tick_budget));
+  }
   if (options.runner) options.topology.runner = options.solver.runner = options.runner;
   if (options.damping.rate != 0.0 || options.damping.factor != 1.0) options.solver.damping = options.damping;
   require_options(options.solver);

@@ -51,6 +51,9 @@ struct Simulation::Parts {
   StepReport step(int n, double dt);
   bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed
   void cut_with_blades(StepReport& report);
+  /// At most so many cells, which it counts down; how many are left. `again`: the sweep left them.
+  std::size_t cut_along(const SceneTool& tool, const Snapshot::Sweep& sweep, bool again, std::size_t& most,
+                        StepReport& report);
   void tear(StepReport& report);
   /// One of those cuts, of so many cells. The solver may refuse it.
   void make_cut(BodyCut cut, std::size_t cells, StepReport& report);
@@ -68,6 +71,7 @@ struct Simulation::Parts {
     std::uint64_t places = 0;  ///< SceneTool
   };
   std::map<std::uint64_t, SeenBlade> blades_seen;  ///< by SceneTool::id, after the last call
+  std::vector<Snapshot::Sweep> sweeps;             ///< that left cells to the next calls, of each blade in order
   struct SeenTool {
     std::uint64_t moves = 0, places = 0, grasps = 0;  ///< SceneTool
   };

@@ -26,6 +26,7 @@ bool Simulation::Parts::is_at_start(const Snapshot& now) const {
 Snapshot Simulation::Parts::snapshot() {
   Snapshot now = solver().snapshot();
   if (is_at_start(now)) now.start = {started->wanted.position, started->wanted.velocity, started->dt};
+  now.start.sweeps = sweeps;
   return now;
 }
 
@@ -37,11 +38,13 @@ void Simulation::Parts::begin_again(const Snapshot& there) {
     started->wanted.velocity = there.start.velocity;
   }
   state_changed();
+  sweeps = there.start.sweeps;
   begin_history_anew();
 }
 
 void Simulation::Parts::follow_history(const StepReport& report) {
-  if (history) history->follow(solver(), report, report.steps == 0 ? snapshot().start : Snapshot::Start{});
+  if (history)
+    history->follow(solver(), report, report.steps == 0 ? snapshot().start : Snapshot::Start{.sweeps = sweeps});
 }
 
 void Simulation::Parts::start(const State& state) {
@@ -110,6 +113,7 @@ void Simulation::Parts::begin(double dt) {
 
 void Simulation::Parts::state_changed() {
   see_tools();
+  sweeps.clear();
   blades_seen.clear();
   for (const SceneTool& tool : scene.tools()) {
     if (std::holds_alternative<Blade>(tool.tool.shape))

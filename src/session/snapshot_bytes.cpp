@@ -10,6 +10,7 @@
 
 #include "base/fnv.h"
 #include "cut_bytes.h"
+#include "interaction/tool_frame.h"
 #include "thread_bytes.h"
 #include "tool_bytes.h"
 
@@ -20,7 +21,7 @@ namespace {
 constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
                      *cuts_part = "cuts", *blades_part = "blades", *threads_part = "threads",
                      *scene_threads_part = "scene threads", *fluids_part = "fluids", *sewn_part = "sewn passages",
-                     *needles_part = "needles", *start_part = "start";
+                     *needles_part = "needles", *start_part = "start", *sweeps_part = "sweeps";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -117,6 +118,15 @@ void blade_fields(Bytes& bytes, Points& points) {
   });
 }
 
+template <class Bytes, class Sweeps>
+void sweep_fields(Bytes& bytes, Sweeps& sweeps) {
+  bytes.list(sweeps, 212, "a number of sweeps", [&](auto& sweep) {
+    bytes.field(sweep.tool, "a tool's name");
+    pose_fields(bytes, sweep.from);
+    pose_fields(bytes, sweep.to);
+  });
+}
+
 /// What states of tools written before do not have.
 template <class Bytes, class Tools>
 void needle_fields(Bytes& bytes, Tools& tools) {
@@ -176,6 +186,8 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     part.vectors(snapshot.start.position);
     part.vectors(snapshot.start.velocity);
   });
+  const auto& sweeps = snapshot.start.sweeps;
+  add(!sweeps.empty(), sweeps_part, [&](ByteWriter& part) { sweep_fields(part, sweeps); });
   add(snapshot.growth != 0.0 || snapshot.max_speed != 0.0, motion_part, [&](ByteWriter& part) {
     part.real(snapshot.growth);
     part.real(snapshot.max_speed);
@@ -280,6 +292,15 @@ Snapshot take_snapshot(ByteReader& in) {
       bytes.expect_end("the start");
       const bool sound = all_finite(start.position) && all_finite(start.velocity) && start.dt >= 0.0;
       if (!sound || !std::isfinite(start.dt)) in.fail("expected finite numbers where the first step begins");
+      continue;
+    }
+    if (part.name == sweeps_part) {
+      std::vector<Snapshot::Sweep>& sweeps = snapshot.start.sweeps;
+      sweep_fields(bytes, sweeps);
+      bytes.expect_end("the sweeps of blades");
+      const bool sound = std::ranges::all_of(
+          sweeps, [](const Snapshot::Sweep& sweep) { return is_finite(sweep.from) && is_finite(sweep.to); });
+      if (!sound) in.fail("expected finite poses of edges; the file is damaged");
       continue;
     }
     if (part.name == motion_part) {

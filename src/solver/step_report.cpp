@@ -34,6 +34,10 @@ std::string good_message(const StepReport& r, const char* verdict) {
     all += "; " + std::to_string(r.uncut) + (r.uncut == 1 ? " cell" : " cells") +
            " could not part: too few spare particles (with_spare_particles), three cuts there already, or max_substeps";
   }
+  if (r.cut_later > 0) {
+    all += "; " + std::to_string(r.cut_later) + (r.cut_later == 1 ? " cell is" : " cells are") +
+           " left for blades to cut in the next calls (tick_budget)";
+  }
   if (r.springs_broken == 0) return all;
   return all + "; " + std::to_string(r.springs_broken) +
          (r.springs_broken == 1 ? " spring of a joint broke" : " springs of joints broke");

@@ -53,6 +53,73 @@ TEST(BladeState, ATeleportedOneCutsNothingOnItsWay) {
   }
 }
 
+Stroke with_budget(int tick_budget) {
+  return Stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, tick_budget);
+}
+
+/// A stroke of 2 cells a tick at the most, which falls behind the blade and catches up while that stands still.
+TEST(BladeState, ABudgetBoundsWhatATickCuts) {
+  Stroke all = with_budget(0), few = with_budget(2);
+  int later = 0;
+  for (int tick = 0; tick < 240; ++tick) {
+    const double by = tick < 40 ? 1.6e-3 : 0.0;
+    EXPECT_EQ(all.go_on(by).cut_later, 0);
+    const std::size_t cells = few.sim.model().cells.size(), cuts = few.sim.cuts().size();
+    const StepReport report = few.go_on(by);
+    ASSERT_TRUE(report.ok());
+    later = std::max(later, report.cut_later);
+    EXPECT_LE(few.sim.model().cells.size(), cells + 2);
+    EXPECT_LE(few.sim.cuts().size(), cuts + 1);
+    EXPECT_EQ(report.message().find("tick_budget") != std::string::npos, report.cut_later > 0);
+    if (tick == 239) {
+      EXPECT_EQ(report.cut_later, 0);
+    }
+  }
+  EXPECT_GT(later, 10);
+  const auto pieces = connected_bodies(few.sim.model()), wanted = connected_bodies(all.sim.model());
+  ASSERT_EQ(pieces.size(), 2u);
+  for (const std::size_t k : {0, 1}) EXPECT_NEAR(pieces[k].volume / wanted[k].volume, 1.0, 0.01);
+  EXPECT_TRUE(says(message_of([] { with_budget(-1); }), "tick_budget must be 0 or more cells; got -1"));
+}
+
+/// Cells that the edge has passed stay to be cut where it goes elsewhere: here along itself and out.
+TEST(BladeState, WhatABudgetLeavesFollowsWhereverTheBladeGoes) {
+  Stroke stroke = with_budget(2);
+  int first = 0;
+  for (int tick = 0; tick < 12; ++tick) first = stroke.go_on(1e-3).cut_later;
+  ASSERT_GT(first, 5);
+  const std::size_t cuts = stroke.sim.cuts().size();
+  for (int tick = 0; tick < 60; ++tick) {
+    if (tick < 30) stroke.pose.position.z() += 2e-3;
+    ASSERT_TRUE(stroke.go_on(0.0).ok());
+  }
+  EXPECT_GE(2 * (stroke.sim.cuts().size() - cuts), static_cast<std::size_t>(first));
+  EXPECT_EQ(stroke.go_on(0.0).cut_later, 0);
+}
+
+TEST(BladeState, WhatABudgetLeavesIsInSnapshotsAndFiles) {
+  Stroke stroke = with_budget(3), other = with_budget(3);
+  stroke.sim.keep_history(1, 100'000'000);
+  for (int tick = 0; tick < 12; ++tick) stroke.go_on(1e-3);
+  const std::string path = testing::TempDir() + "budget.state";
+  stroke.sim.save(path);
+  const Snapshot half_way = stroke.sim.snapshot();
+  EXPECT_FALSE(half_way.start.sweeps.empty());
+  const ToolPose pose = stroke.pose;
+  const auto end_of = [&](Stroke& of) {
+    of.pose = pose;
+    for (int tick = 0; tick < 12; ++tick) of.go_on(1e-3);
+    return of.sim.snapshot();
+  };
+  const Snapshot end = end_of(stroke);
+  stroke.sim.restore(half_way);
+  EXPECT_EQ(end_of(stroke), end);
+  ASSERT_TRUE(stroke.sim.rewind(half_way.state.time));
+  EXPECT_EQ(end_of(stroke), end);
+  other.sim.load(path);
+  EXPECT_EQ(end_of(other), end);
+}
+
 TEST(BladeState, HasNothingThatItGrasps) {
   Stroke stroke("cpu", 0.0, -0.005);
   State state = stroke.sim.state();

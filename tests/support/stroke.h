@@ -17,12 +17,13 @@ struct Stroke {
   ToolPose pose;
 
   explicit Stroke(const std::string& backend, double toughness = 0.0, double lowest = 0.005, double young = 1e4,
-                  int across = 9, Index spare = 600, int threads = 0, double friction = 0.0)
+                  int across = 9, Index spare = 600, int threads = 0, double friction = 0.0, int tick_budget = 0)
       : sim(with_spare_particles(
                 make_tetrahedral_block({0.06, 0.04, 0.02}, across, across * 2 / 3, across / 3, 0.25, 7), spare),
             {.material = {young, 0.45, 1000.0},
              .backend = backend,
              .damping = {.rate = 20.0},
+             .tick_budget = tick_budget,
              .solver = {.threads = threads}}),
         blade(sim.scene().fix("z0").add_tool(
             "scalpel",
