@@ -53,8 +53,12 @@ TEST(BladeState, ATeleportedOneCutsNothingOnItsWay) {
   }
 }
 
-Stroke with_budget(int tick_budget) {
-  return Stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, tick_budget);
+Stroke with_budget(int tick_budget, double toughness = 0.0) {
+  return Stroke("cpu", toughness, -0.005, 1e4, 9, 600, 0, 0.0, tick_budget);
+}
+
+Index cut_cells(const Simulation& sim) {
+  return static_cast<Index>(std::ranges::count_if(sim.model().cells, [](const Cell& c) { return !c.cuts.empty(); }));
 }
 
 /// A stroke of 2 cells a tick at the most, which falls behind the blade and catches up while that stands still.
@@ -80,6 +84,46 @@ TEST(BladeState, ABudgetBoundsWhatATickCuts) {
   ASSERT_EQ(pieces.size(), 2u);
   for (const std::size_t k : {0, 1}) EXPECT_NEAR(pieces[k].volume / wanted[k].volume, 1.0, 0.01);
   EXPECT_TRUE(says(message_of([] { with_budget(-1); }), "tick_budget must be 0 or more cells; got -1"));
+}
+
+/// An edge that turns as it goes, and one that tissue holds, in and out: what waits gets the cut where it was passed,
+/// and nothing else does.
+TEST(BladeState, ABudgetLeavesTheCutWhereItIs) {
+  for (const double toughness : {0.0, 20.0, 60.0}) {
+    std::array<Index, 2> cells{};
+    std::array<std::size_t, 2> pieces{};
+    for (const std::size_t bounded : {0, 1}) {
+      Stroke stroke = with_budget(bounded != 0 ? 3 : 0, toughness);
+      int most_later = 0;
+      for (int tick = 0; tick < 200; ++tick) {
+        const double turn = toughness == 0.0 && tick < 40 ? 0.01 : 0.0;  // about the way
+        const Quaternion by(Eigen::Quaterniond(Eigen::AngleAxisd(turn, Vec3::UnitX())));
+        stroke.pose.orientation = by * stroke.pose.orientation;
+        const StepReport report = stroke.go_on(tick < 40 ? 0.9e-3 : toughness > 0.0 && tick < 80 ? -0.9e-3 : 0.0);
+        ASSERT_TRUE(report.ok());
+        EXPECT_EQ(report.uncut, 0);
+        most_later = std::max(most_later, report.cut_later);
+      }
+      EXPECT_EQ(most_later > 0, bounded != 0);
+      cells[bounded] = cut_cells(stroke.sim);
+      pieces[bounded] = connected_bodies(stroke.sim.model()).size();
+    }
+    EXPECT_EQ(pieces[1], pieces[0]) << toughness;
+    EXPECT_NEAR(cells[1], cells[0], 0.05 * cells[0]) << toughness;
+    EXPECT_GT(cells[0], 100);
+  }
+}
+
+TEST(BladeState, WhatABudgetLeavesNeedsNoBlade) {
+  Stroke stroke = with_budget(2), all = with_budget(0);
+  for (int tick = 0; tick < 12; ++tick) {
+    stroke.go_on(1e-3);
+    all.go_on(1e-3);
+  }
+  EXPECT_GT(stroke.sim.advance(0.0).cut_later, 5);
+  stroke.sim.scene().remove_tool("scalpel");
+  for (int tick = 0; tick < 60; ++tick) ASSERT_TRUE(stroke.sim.advance(1e-3).ok());
+  EXPECT_NEAR(cut_cells(stroke.sim), cut_cells(all.sim), 0.05 * cut_cells(all.sim));
 }
 
 /// Cells that the edge has passed stay to be cut where it goes elsewhere: here along itself and out.
