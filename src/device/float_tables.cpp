@@ -156,7 +156,8 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
   const auto row = [](const RaggedList& list, Index i) { return list.entry.empty() ? 0 : list.offset[i]; };
   const RaggedList& reaction = from.neighbour_of.entry.empty() ? from.base_of : from.neighbour_of;
   for (Index i = 0; i <= from.particle_count; ++i) {
-    to.lists.push_back({row(reaction, i), row(from.volume_of, i), row(from.spring_of, i), 0});
+    to.lists.push_back(
+        {row(reaction, i), row(from.volume_of, i), row(from.spring_of, i), row(to.walls.entries, i)});
   }
 }
 
@@ -175,7 +176,7 @@ void count_domain_turns(const FloatDomains& domains, Index particles, LoopTurns&
 }
 
 /// Upper bounds: of triples that three nested loops count, all turns of all three.
-LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
+LoopTurns count_turns(const TopologyTextures& from, const FloatWalls& walls, FloatLayout layout) {
   LoopTurns most;
   const bool conservative = from.options.reaction == Reaction::conservative;  // gathers its own bases; no attractor
   const auto length = [](const RaggedList& list, Index i) {
@@ -187,7 +188,7 @@ LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
     const std::int64_t attractor = layout == FloatLayout::enumerated ? 2 * n + n * n / 2 + triples : n + bases;
     const std::int64_t own = conservative ? 0 : attractor;
     const std::int64_t gathered = (conservative ? bases : 0) + length(from.neighbour_of, i) + length(from.base_of, i) +
-                                  length(from.volume_of, i) + length(from.spring_of, i);
+                                  length(from.volume_of, i) + length(from.spring_of, i) + length(walls.entries, i);
     most = {std::max(most.own, own), std::max(most.gathered, gathered)};
   }
   return most;
@@ -219,6 +220,7 @@ FloatEntries::FloatEntries(const FloatTables& tables) : rows(tables.reaction) {
   };
   volume_start = append(tables.volume_entry);
   spring_start = append(tables.spring_other);
+  wall_start = append(tables.walls.entries.entry);
 }
 
 bool can_enumerate(const TopologyTextures& topology) {
@@ -245,8 +247,10 @@ FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   pack_volumes(topology, tables);
   pack_springs(topology, tables);
   tables.domains = pack_domains(topology);
+  require_entries(topology.walls.size(), FloatWalls::law_texels, "walls");
+  tables.walls = pack_walls(topology);
   pack_lists(topology, tables);
-  tables.turns = count_turns(topology, layout);
+  tables.turns = count_turns(topology, tables.walls, layout);
   count_domain_turns(tables.domains, tables.particle_count, tables.turns);
   return tables;
 }
