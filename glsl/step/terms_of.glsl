@@ -24,8 +24,10 @@ vec3 wall_term(int row, int vertex) {
   vec4 t3 = fetch_layer(wall_terms, wall_terms_place, row, 2);
   vec3 on_5 = vec3(t1.w, t2.w, t3.w);
   if (vertex == 5) return on_5;
-  vec3 on_4 = fetch_layer(wall_terms, wall_terms_place, row, 3).xyz;
-  return -(t1.xyz + t2.xyz + t3.xyz + on_4 + on_5);
+  vec3 sum = t1.xyz + t2.xyz;  // in one expression Mesa would add pairs
+  sum = sum + t3.xyz;
+  sum = sum + fetch_layer(wall_terms, wall_terms_place, row, 3).xyz;
+  return -(sum + on_5);
 }
 #endif
 

@@ -156,8 +156,7 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
   const auto row = [](const RaggedList& list, Index i) { return list.entry.empty() ? 0 : list.offset[i]; };
   const RaggedList& reaction = from.neighbour_of.entry.empty() ? from.base_of : from.neighbour_of;
   for (Index i = 0; i <= from.particle_count; ++i) {
-    to.lists.push_back(
-        {row(reaction, i), row(from.volume_of, i), row(from.spring_of, i), row(to.walls.entries, i)});
+    to.lists.push_back({row(reaction, i), row(from.volume_of, i), row(from.spring_of, i), row(to.walls.entries, i)});
   }
 }
 

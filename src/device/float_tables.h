@@ -111,7 +111,8 @@ struct FloatTables {
   }
 };
 
-/// `reaction`, `volume_entry`, `spring_other` and those of walls one after another, because a pass reads no more than sixteen tables.
+/// `reaction`, `volume_entry`, `spring_other` and those of walls one after another, because a pass reads no more than
+/// sixteen tables.
 struct FloatEntries {
   /// Throws Error where shaders cannot count to their number.
   explicit FloatEntries(const FloatTables& tables);

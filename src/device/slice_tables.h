@@ -27,7 +27,8 @@ struct SliceTables {
   int slice = 0;  ///< lanes
 
   /// The constants by place and row: every member means what it does in FloatTables, but
-  ///   - `index`, `lists`, `first_height` and walls.entries.offset are empty; the ranges below say where a particle's rows are
+  ///   - `index`, `lists`, `first_height` and walls.entries.offset are empty; the ranges below say where a particle's
+  ///     rows are
   ///   - particle numbers are places; entries (t * 4 + corner and so on) name the rows here
   ///   - `particle` has a texel per place; rows per neighbour, per base and of the lists are padded, and base_count
   ///     counts padded rows; particle_count is N. Volumes and walls are not padded, and stand in the order of
