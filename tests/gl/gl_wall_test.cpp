@@ -57,7 +57,7 @@ TEST_P(GlWall, SingleStepsHaveTheMirrorsBits) {
 }
 
 /// Of a step from standing still, as GlAveraged does. The bound is wide: forces are held to ten times the largest error
-/// measured there too.
+/// measured too (llvmpipe 15, 2026-11-30).
 TEST_P(GlWall, SingleStepsAreWithinTheRoundingBound) {
   double worst = 0.0, worst_force = 0.0;
   for (const Body& body : wall_bodies()) {
@@ -84,7 +84,7 @@ TEST_P(GlWall, SingleStepsAreWithinTheRoundingBound) {
     }
   }
   std::printf("[   BOUND  ] worst error %.3f of the bound, %.2g of the largest force\n", worst, worst_force);
-  EXPECT_LE(worst_force, 1e-5);
+  EXPECT_LE(worst_force, 4e-6);
 }
 
 TEST_P(GlWall, RestIsAFixedPointToTheLastBit) {
@@ -105,8 +105,8 @@ TEST_P(GlWall, RestIsAFixedPointToTheLastBit) {
   }
 }
 
-/// Free in space, thrown and out of shape. Momentum moves as far as floats let it; the bounds are eight times the
-/// largest of what llvmpipe gave.
+/// Free in space, thrown and turning, and swinging through its ovals. Momentum moves as far as floats let it: the
+/// bounds are ten times what llvmpipe gave.
 TEST_P(GlWall, AFreeBagKeepsItsMomentumAndEnergy) {
   const Model model = sphere();
   const Scene scene(model);
@@ -128,9 +128,9 @@ TEST_P(GlWall, AFreeBagKeepsItsMomentumAndEnergy) {
   const double angular = (end.angular - start.angular).norm() / (scale * body_size(model));
   const double kept = std::abs(twins.gl->energy().total() / energy - 1.0);
   std::printf("[  WALLS   ] momentum moved by %.2g, angular by %.2g, energy by %.2g\n", linear, angular, kept);
-  EXPECT_LE(linear, 1e-6);
-  EXPECT_LE(angular, 1e-6);
-  EXPECT_LE(kept, 1e-2);
+  EXPECT_LE(linear, 5e-7);
+  EXPECT_LE(angular, 5e-7);
+  EXPECT_LE(kept, 1e-3);
 }
 
 struct WallScene {
