@@ -161,10 +161,10 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
 }
 
 /// Adds those of Law::particle_averaged: the links of a domain and its seven directions, and what is gathered from
-/// them.
-void count_domain_turns(const FloatDomains& domains, Index particles, LoopTurns& most) {
+/// them and from walls.
+void count_domain_turns(const FloatDomains& domains, const FloatWalls& walls, Index particles, LoopTurns& most) {
   for (Index i = 0; i < std::min(particles, domains.count()); ++i) {
-    std::int64_t gathered = 0;
+    std::int64_t gathered = walls.count() > 0 ? walls.entries.size(i) : 0;
     for (Index d = i; d != none; d = domains.range[d][3]) {
       const std::int64_t links = domains.range[d][2] - domains.range[d][0];
       most.own = std::max(most.own, links + 7);
@@ -250,7 +250,7 @@ FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   tables.walls = pack_walls(topology);
   pack_lists(topology, tables);
   tables.turns = count_turns(topology, tables.walls, layout);
-  count_domain_turns(tables.domains, tables.particle_count, tables.turns);
+  count_domain_turns(tables.domains, tables.walls, tables.particle_count, tables.turns);
   return tables;
 }
 

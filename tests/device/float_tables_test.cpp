@@ -165,12 +165,20 @@ TEST(FloatWalls, RowsAreThoseOfTrianglesThatAreThere) {
   EXPECT_GT(missing, 0u);
   EXPECT_EQ(walls.entries.entry.size(), present);
   EXPECT_EQ(tables.lists.back()[3], static_cast<Index>(present));
-  const auto longest = [&] {
+}
+
+/// Also where a particle of a capsule gathers from domains.
+TEST(FloatWalls, TurnsOfTheirGatheringCount) {
+  for (const Model& model : {sheet(), slab_in_capsule()}) {
+    const FloatTables tables = pack_floats(build_topology(model));
     Index most = 0;
-    for (Index i = 0; i < tables.particle_count; ++i) most = std::max(most, walls.entries.size(i));
-    return most;
-  };
-  EXPECT_EQ(tables.turns.gathered, longest());
+    for (Index i = 0; i < tables.particle_count; ++i) {
+      Index turns = tables.walls.entries.size(i);
+      if (tables.domains.count() > 0) turns += tables.domains.range[i][2] - tables.domains.range[i][0] + 1;
+      most = std::max(most, turns);
+    }
+    EXPECT_EQ(tables.turns.gathered, most);
+  }
 }
 
 TEST(FloatWalls, ConstantsBeyondSinglePrecisionAreRefused) {
