@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Everything that pulls at one particle, in a fixed order: its own attractor or bases, what reactions give back,
-// volumes, domains, springs, walls, loads, joints. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
-// spring.glsl where SPRINGS is; integrate.glsl where CUT is.
+// volumes, domains, springs, walls, loads, joints. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is
+// defined; spring.glsl where SPRINGS is; integrate.glsl where CUT is.
 
 #ifdef CUT
 uniform float largest_acceleration;  // m/s^2: elastic force over mass is cut to it

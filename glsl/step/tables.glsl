@@ -12,7 +12,7 @@ TABLE_FLOATS(base_e1, base_e1_place);            // X_b - X_a, lambda_b
 TABLE_FLOATS(base_e2, base_e2_place);            // X_c - X_a, lambda_c
 TABLE_INTS(base_share, base_share_place);        // owner, bits of k_i w_t (conservative) or of w_t (the others)
 TABLE_INTS(share, share_place);                  // owner j, bits of the share of -F_j
-TABLE_INTS(entries, entries_place);              // reaction, volume entries, spring ends, wall entries, one after another
+TABLE_INTS(entries, entries_place);              // reaction, volume, spring ends, wall entries, one after another
 TABLE_INTS(volume, volume_place);                // a, b, c, d
 TABLE_FLOATS(volume_e1, volume_e1_place);        // X_b - X_a, 1 / (6 V) (2-D: 1 / (2 A))
 TABLE_FLOATS(volume_e2, volume_e2_place);        // X_c - X_a, stiffness

@@ -23,8 +23,7 @@ Model clamped_sheet() {
   return model;
 }
 
-/// One triangle, whose patch has no other vertices; free edges; none; edges of three triangles; clamped ones; beside
-/// cells, and on them.
+/// One triangle, whose patch has no other vertices; free edges; none; edges of three triangles; clamped ones; on cells.
 std::vector<Body> wall_bodies() {
   Surface one;
   one.vertices = {{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.005}};
@@ -34,7 +33,6 @@ std::vector<Body> wall_bodies() {
           {"sphere", sphere()},
           {"tee", tee()},
           {"clamped", clamped_sheet()},
-          {"fin", block_with_fin()},
           {"capsule", slab_in_capsule()}};
 }
 
@@ -48,8 +46,8 @@ TEST_P(GlWall, SingleStepsHaveTheMirrorsBits) {
     }
     const double dt = 0.3 * twins.gl->stable_step();
     const double speed = 0.1 * mean_spacing(body.model) / dt;
-    for (int k = 0; k < (sanitized ? 3 : 10); ++k) {
-      twins.reset(random_state(body.model, 0.02 + 0.05 * k, speed, 17 + k));
+    for (int k = 0; k < (sanitized ? 2 : 5); ++k) {
+      twins.reset(random_state(body.model, 0.02 + 0.1 * k, speed, 17 + k));
       ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
       ASSERT_EQ(difference(twins.gl->read(), twins.mirror->read()), "") << "state " << k;
     }
@@ -92,16 +90,14 @@ TEST_P(GlWall, RestIsAFixedPointToTheLastBit) {
     SCOPED_TRACE(body.name);
     const Scene scene(body.model);
     const GlTwins twins = twins_of(tables_of(body.model, {}), scene);
-    for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.125, -0.25, 0)}) {
-      State start = rest_state(body.model);
-      for (Vec3& x : start.position) x += shift;
-      twins.gl->reset(start);
-      start = twins.gl->read();
-      ASSERT_TRUE(twins.gl->step(20, 0.3 * twins.gl->stable_step()).ok());
-      State end = twins.gl->read();
-      end.time = start.time;
-      EXPECT_EQ(difference(end, start), "");
-    }
+    State start = rest_state(body.model);
+    for (Vec3& x : start.position) x += Vec3(0.125, -0.25, 0);
+    twins.gl->reset(start);
+    start = twins.gl->read();
+    ASSERT_TRUE(twins.gl->step(20, 0.3 * twins.gl->stable_step()).ok());
+    State end = twins.gl->read();
+    end.time = start.time;
+    EXPECT_EQ(difference(end, start), "");
   }
 }
 
@@ -121,7 +117,7 @@ TEST_P(GlWall, AFreeBagKeepsItsMomentumAndEnergy) {
   twins.reset(state);
   const Momentum start = twins.gl->momentum();
   const double energy = twins.gl->energy().total();
-  ASSERT_TRUE(all_step(300, 0.5 * twins.gl->stable_step(), twins.gl, twins.mirror));
+  ASSERT_TRUE(all_step(200, 0.5 * twins.gl->stable_step(), twins.gl, twins.mirror));
   twins.expect_same_bits("a free bag");
   const Momentum end = twins.gl->momentum();
   const double linear = (end.linear - start.linear).norm() / scale;
