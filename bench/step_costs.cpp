@@ -104,6 +104,16 @@ Cases threads(const Model& model) {
   cases.push_back(std::make_unique<Case>("60 nodes on the body", model, [&](Scene& scene) {
     scene.add_thread(lying, {0.0005, 0.03, 0.06 + lying.radius}, {1, 0, 0});
   }));
+  const Thread touching{.length = 0.099, .segment = 1e-3, .touches = true};
+  cases.push_back(std::make_unique<Case>("100 nodes that touch nothing", model, [&](Scene& scene) {
+    scene.add_thread(touching, {0, 0, 0.2}, {1, 0, 0}).hold(0, {0, 0, 0.2});
+  }));
+  cases.push_back(std::make_unique<Case>("100 nodes that lie across one of 100", model, [&](Scene& scene) {
+    const ThreadHandle lower = scene.add_thread(touching, {0, 0, 0.2}, {1, 0, 0});
+    const ThreadHandle upper = scene.add_thread(touching, {0.05, -0.05, 0.2 + 2.0 * touching.radius}, {0, 1, 0});
+    for (const Index end : {0, 99}) lower.hold(end, {1e-3 * end, 0, 0.2});
+    for (const Index end : {0, 99}) upper.hold(end, {0.05, 1e-3 * end - 0.05, 0.199});
+  }));
   return cases;
 }
 

@@ -114,6 +114,7 @@ void ViewSimulation::next_backend() {
     show();
     steps_a_frame_ = 1;
     rate_ = 0.0;
+    failure_.clear();
     return;
   }
 }

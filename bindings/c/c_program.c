@@ -315,6 +315,8 @@ static const char* sutured(phymul_body* body, struct c_results* out) {
   const phymul_fluid air = {.size = sizeof air, .law = PHYMUL_GAS, .exponent = 1.4, .conductance = 1e-9};
   DO(phymul_volume_add(sim, "air", triangles, triangle_count, 2.8e-5, &air))
   DO(phymul_volume_set(sim, "air", 2.75e-5))
+  const phymul_fluid leads = {.size = sizeof leads, .conductance = 1e-9, .opens_into = "nothing"};
+  REFUSED(phymul_volume_set_fluid(sim, "air", &leads), PHYMUL_UNKNOWN_NAME, "is \"nothing\"")
   const phymul_needle fine = {
       .size = sizeof fine, .length = 0.05, .radius = 0.4e-3, .spread = 0.012, .static_friction = 20};
   phymul_pose pose = {.size = sizeof pose, .position = {0.015, 0.015, 0.031}};

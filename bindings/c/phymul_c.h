@@ -162,7 +162,7 @@ typedef struct phymul_options {
   double sleep_tolerance;           // with `sleeps`; 0: results as without sleep
   phymul_run_parts run_parts;       // threads of the host; NULL: the library starts threads
   void* run_parts_user;
-  int32_t tick_budget;  // SimulationOptions::tick_budget: cells that each blade cuts at most in a call; 0: all
+  int32_t tick_budget;  // SimulationOptions::tick_budget: cells that blades cut at most in a call; 0: all
   int32_t unused;
 } phymul_options;
 // Of one body (count 1, names NULL), or of several, each with a name; their groups are then "name/group".
@@ -211,7 +211,7 @@ typedef struct phymul_step_report {
   int32_t tissue_gave_way;  // punctures below the needle's own force
   int32_t uncut;            // cells that a blade has passed, or that should have torn, and that could not part
   int32_t torn;             // cells
-  int32_t cut_later;        // cells that blades have passed, left to the next calls (phymul_options.tick_budget)
+  int32_t cut_later;        // cells that blades have passed and that wait for their cuts (tick_budget)
   int32_t unused;
 } phymul_step_report;
 

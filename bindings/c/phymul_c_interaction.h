@@ -283,6 +283,7 @@ typedef struct phymul_fluid {  // Fluid: include/phymul/fluid.h
   int32_t unused;
   double conductance;      // m^3/(Pa s); 0: closed
   double outlet_pressure;  // Pa
+  const char* opens_into;  // name of another volume, behind the opening; NULL: the opening leads outside
 } phymul_fluid;
 
 // Scene::constrain_volume, of a closed surface of triangles with a name; those of phymul_constrain_volume are "volume

@@ -64,6 +64,7 @@ Fluid fluid_of(const phymul_fluid* given) {
   require_kind(from.law, PHYMUL_INCOMPRESSIBLE, 3, "a law of a fluid");
   fluid.law = static_cast<FluidLaw>(from.law);
   fluid.outlet_pressure = from.outlet_pressure;
+  if (from.opens_into) fluid.opens_into = from.opens_into;
   list(from.curve, from.curve_points, "points of the curve");
   for (int32_t k = 0; k < from.curve_points; ++k) fluid.curve.push_back({from.curve[2 * k], from.curve[2 * k + 1]});
   return fluid;

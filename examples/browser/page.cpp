@@ -42,7 +42,7 @@ std::string quoted(const std::string& plain) {
   std::string all = "\"";
   for (const char c : plain) {
     if (c == '"' || c == '\\') all += '\\';
-    all += c < ' ' ? ' ' : c;
+    all += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
   return all + '"';
 }
@@ -136,8 +136,8 @@ EMSCRIPTEN_KEEPALIVE int page_use(const char* backend) {
   return tried([&] { organ->use(backend); });
 }
 
-EMSCRIPTEN_KEEPALIVE void page_reset() {
-  organ->reset();
+EMSCRIPTEN_KEEPALIVE int page_reset() {
+  return tried([&] { organ->reset(); });
 }
 
 EMSCRIPTEN_KEEPALIVE int page_frame(double seconds, int width, int height) {
@@ -152,12 +152,12 @@ EMSCRIPTEN_KEEPALIVE int page_take(double x, double y, int width, int height) {
   return tried([&] { taken = organ->take(x, y, width, height); }) && taken;
 }
 
-EMSCRIPTEN_KEEPALIVE void page_move(double x, double y, int width, int height) {
-  organ->move(x, y, width, height);
+EMSCRIPTEN_KEEPALIVE int page_move(double x, double y, int width, int height) {
+  return tried([&] { organ->move(x, y, width, height); });
 }
 
-EMSCRIPTEN_KEEPALIVE void page_release() {
-  organ->release();
+EMSCRIPTEN_KEEPALIVE int page_release() {
+  return tried([&] { organ->release(); });
 }
 
 EMSCRIPTEN_KEEPALIVE void page_turn(double right, double up) {

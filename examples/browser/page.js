@@ -12,6 +12,9 @@ let phymul;
 const call = (name, result, types, values) => phymul.ccall(name, result, types, values);
 const failure = () => call('page_error', 'string', [], []);
 
+/// Says what went wrong.
+const told = (name, types, values) => call(name, 'number', types, values) || say(failure(), true);
+
 function say(text, wrong = false) {
   $('message').textContent = text;
   $('message').classList.toggle('wrong', wrong);
@@ -108,13 +111,13 @@ function listen() {
   canvas.addEventListener('pointermove', (event) => {
     if (!event.buttons || !state.ready) return;
     if (turning) call('page_turn', null, ['number', 'number'], [0.008 * event.movementX, 0.008 * event.movementY]);
-    else call('page_move', null, four, place(event));
+    else told('page_move', four, place(event));
   });
   const letGo = () => {
     const held = canvas.classList.contains('held');
     canvas.classList.remove('held');
     if (!held) return;
-    call('page_release', null, [], []);
+    told('page_release', [], []);
     compare();
   };
   canvas.addEventListener('pointerup', letGo);
@@ -129,7 +132,7 @@ function listen() {
   $('backend').addEventListener('change', () => state.status &&
     later('Changing ...', () => call('page_use', 'number', ['string'], [$('backend').value])));
   $('file').addEventListener('change', takeFile);
-  $('reset').addEventListener('click', () => state.ready && call('page_reset', null, [], []));
+  $('reset').addEventListener('click', () => state.ready && told('page_reset', [], []));
   $('measure').addEventListener('click', measure);
 }
 

@@ -73,6 +73,7 @@ KERNEL real wall_swelling(real trace, real less, real c) {
 // Derivatives of the membrane's energy by a1 . a1 / 2, a2 . a2 / 2 and a1 . a2.
 struct WallStress {
   real S11, S22, S12;
+  real swelling;  // J^(1/3) - 1
 };
 
 // shear: A t mu.
@@ -91,7 +92,18 @@ KERNEL WallStress wall_stress(WallFrame now, real3 T1, real3 T2, real3 H1, real3
   real near_rest = ((now.q - e) * (two + now.q + e)) * area.fall;
   real rest = select(now.square > literal(0.1296f), near_rest, one - z);
   real scale = quotient(shear, (one + w) * (one + w));
-  return WallStress(scale * (rest - two * (z * E22)), scale * (rest - two * (z * E11)), scale * (z * C12));
+  return WallStress(scale * (rest - two * (z * E22)), scale * (rest - two * (z * E11)), scale * (z * C12), w);
+}
+
+// By how much the membrane has stiffened along its shortest principal stretch, at a fixed J, over 4 mu at rest:
+// J^(-2/3) (1 + 3 (J / s)^2 / stretch^2) / 4.
+KERNEL real wall_stiffening(WallFrame now, WallStress stress) {
+  real one = literal(1.0f);
+  real y = one + stress.swelling;
+  real size = inner_product(now.a1, now.a1) + inner_product(now.a2, now.a2);  // |F|^2
+  real apart = size * size - literal(4.0f) * now.held;
+  real per_shortest = (size + square_root(select(apart > literal(0.0f), apart, literal(0.0f)))) / (now.held * now.held);
+  return literal(0.25f) * (one / (y * y) + literal(1.5f) * ((y * y) * (y * y)) * per_shortest);
 }
 
 // Derivatives of the energy by a1 and a2. by_normal: by the normal.

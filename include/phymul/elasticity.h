@@ -51,12 +51,13 @@ struct StrainSummary {
 };
 
 /// Throws Error when the size does not agree; does not allocate. Bodies without domains (Law::particle_averaged) have
-/// an infinite growth and none beyond the law.
+/// none beyond the law, and an infinite growth unless they are of walls alone.
 StrainSummary strain_summary(const TopologyTextures& topology, std::span<const Vec3> position);
 
 /// By how much deformation can have raised the largest eigenvalue over that at rest: 1 at rest (times 3.7 with walls,
 /// times 2.6 for a Poisson's ratio below 0.3), in other states an estimate from above (docs/theory/physics.md), above
-/// 1e6 where a domain is beyond the law (StrainSummary). Infinite for bodies without domains. Throws Error when the
+/// 1e6 where a domain is beyond the law (StrainSummary). Of bodies of walls alone 2 (1 - nu) / 1.15 at rest, if that is
+/// above 1. Infinite for other bodies without domains. Throws Error when the
 /// size does not agree; does not allocate.
 double frequency_growth(const TopologyTextures& topology, std::span<const Vec3> position);
 

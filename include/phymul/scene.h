@@ -199,7 +199,7 @@ class Scene {
   Scene& constrain_volume(VolumeConstraint surface) &;  ///< of the given triangles
   Scene constrain_volume() && { return constrain_volume(); }
   Scene constrain_volume(std::string_view group) && { return constrain_volume(group); }
-  // By name; they throw Error, with the known names, for an unknown one.
+  // By name; they throw Error, with the known names, for an unknown one; the last also if another one opens into it.
   Scene& set_volume(std::string_view name, double volume);  ///< m^3, > 0, of the fluid without pressure from now on
   Scene& set_fluid(std::string_view name, Fluid fluid);     ///< as much of it as there is; opens and closes openings
   Scene& remove_volume(std::string_view name);

@@ -38,8 +38,8 @@ struct SimulationOptions {
   /// deformation, between 0.25 (stiffening: less) and 0.9, in calls of many steps at most 0.5
   /// (Solver::suggested_step()).
   std::optional<double> step{};
-  /// Cells that each blade cuts at most in a call of advance() or step(), >= 0; 0: all. The others follow in the next
-  /// calls (StepReport::cut_later), first those that the edge passed first.
+  /// Cells that blades cut at most in a call of advance(), step() or run_to_rest(), >= 0; 0: all. Those that they have
+  /// passed besides get their cuts, where they were passed, in the next calls, in order (StepReport::cut_later).
   int tick_budget = 0;
   std::shared_ptr<TaskRunner> runner{};  ///< replaces those of topology and solver, unless it is left out
   TopologyOptions topology{};

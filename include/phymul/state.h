@@ -74,19 +74,19 @@ struct Snapshot {
   /// [N] m, or empty: displacements from rest of a backend in single precision. rest + displacement, rounded to
   /// position, would lose bits of it.
   VecList displacement;
-  /// From where to where the edge of a blade went, in a call of a Simulation.
-  struct Sweep {
-    std::string tool;
-    ToolPose from{}, to{};
-    bool operator==(const Sweep&) const = default;
+  /// A cell that a blade has passed, and the cut that it is to have, as in Cell::cuts.
+  struct CutLater {
+    Index cell = -1;  ///< row of Model::cells
+    CellCut cut{};
+    bool operator==(const CutLater&) const = default;
   };
   /// Of a Simulation, for Simulation::restore(): where its first step begins, if it has not stepped since it was made,
   /// set_state() or solve_static(). A Solver ignores it and starts from `state`.
   struct Start {
-    VecList position{};           ///< [N] m, or empty: there is none
-    VecList velocity{};           ///< [N] m/s, at State::time
-    double dt = 0.0;              ///< s, of the step before which State::velocity is; 0: those of State::time
-    std::vector<Sweep> sweeps{};  ///< that left cells to later calls (SimulationOptions::tick_budget), first ones first
+    VecList position{};                 ///< [N] m, or empty: there is none
+    VecList velocity{};                 ///< [N] m/s, at State::time
+    double dt = 0.0;                    ///< s, of the step before which State::velocity is; 0: those of State::time
+    std::vector<CutLater> cut_later{};  ///< left by SimulationOptions::tick_budget, in order
     bool operator==(const Start&) const = default;
   };
   Start start;

@@ -54,7 +54,7 @@ struct StepReport {
   /// cut three times already, the spare particles (with_spare_particles) do not suffice, or SolverOptions::max_substeps
   /// is above 1.
   int uncut = 0;
-  int cut_later = 0;       ///< Simulation: cells that blades have passed, left to next calls (tick_budget)
+  int cut_later = 0;       ///< Simulation: cells that blades have passed and that wait for their cuts (tick_budget)
   int torn = 0;            ///< Simulation: cells that tore at the end of this call (Scene::tear)
   bool stopped = false;    ///< SolverOptions::progress ended the call before its last step
   Index particle = -1;     ///< row of the model: where a failure happened; -1: unknown

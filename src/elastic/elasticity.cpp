@@ -188,8 +188,12 @@ Index first_collapsed(const TopologyTextures& topology, std::span<const Vec3> po
 StrainSummary strain_summary(const TopologyTextures& topology, std::span<const Vec3> position) {
   require_sizes(topology, "strain_summary", position.size(), position.size());
   StrainSummary found;
-  if (topology.domains.empty()) return found;
   double largest = 1.0;
+  if (has_walls_alone(topology)) {
+    for (const WallTexel& w : topology.walls) largest = std::max(largest, wall_stiffening(w, topology.rest, position));
+    found.growth = growth_of_walls(topology, largest);
+  }
+  if (topology.domains.empty()) return found;
   const auto displacement = displacements_at(topology, position);
   for (Index d = 0; d < static_cast<Index>(topology.domains.size()); ++d) {
     const Mat3 F = Mat3::Identity() + mean_gradient(topology, d, displacement);

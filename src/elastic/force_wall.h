@@ -43,12 +43,25 @@ inline double plane_stress_ratio(double I, double f, double compliance) {
   return J;
 }
 
-/// J. `x`: positions of the model; `force`: added to, N, where it is not empty.
-inline double wall_energy(const WallTexel& w, std::span<const Vec3> rest, std::span<const Vec3> x,
-                          std::span<Vec3> force) {
+/// frequency_growth() of a body of walls alone, by the largest wall_stiffening(). That is over 4 mu; the modulus at
+/// rest, at which J is free, is 2 mu / (1 - nu). As that of domains it may be too low, by 15 %.
+inline double growth_of_walls(const TopologyTextures& t, double stiffening) {
+  double compliance = 0.0;  // (1 - 2 nu) / (1 + nu)
+  for (const WallTexel& w : t.walls) compliance = std::max(compliance, w.compliance);
+  return std::max(1.0, stiffening * std::max(1.0, (2.0 + 4.0 * compliance) / (2.0 + compliance) / 1.15));
+}
+
+/// Whether nothing else of the model is elastic.
+inline bool has_walls_alone(const TopologyTextures& t) {
+  return !t.walls.empty() && t.domains.empty() && t.base_count == 0 && t.springs.empty() && t.volumes.empty();
+}
+
+/// F, and second derivatives of positions in place of those of `second`.
+inline Eigen::Matrix<double, 3, 2> wall_gradient(const WallTexel& w, std::span<const Vec3> rest,
+                                                 std::span<const Vec3> x, std::array<Vec3, 3>& second) {
   Eigen::Matrix<double, 3, 2> F;
   F << w.tangent[0], w.tangent[1];
-  std::array<Vec3, 3> second = w.second;
+  second = w.second;
   const Index first = w.vertex[0];
   for (std::size_t k = 1; k < 6; ++k) {
     if (w.vertex[k] == none) continue;
@@ -56,6 +69,27 @@ inline double wall_energy(const WallTexel& w, std::span<const Vec3> rest, std::s
     for (int a = 0; a < 2; ++a) F.col(a) += w.gradient[k][a] * u;
     for (std::size_t ab = 0; ab < 3; ++ab) second[ab] += w.hessian[k][ab] * u;
   }
+  return F;
+}
+
+/// By how much the membrane has stiffened along its shortest principal stretch, at a fixed J, over 4 mu at rest:
+/// J^(-2/3) (1 + 3 (J / s)^2 / stretch^2) / 4.
+inline double wall_stiffening(const WallTexel& w, std::span<const Vec3> rest, std::span<const Vec3> x) {
+  if (w.shear == 0.0) return 0.0;  // removed
+  std::array<Vec3, 3> second;
+  const Eigen::Matrix<double, 3, 2> F = wall_gradient(w, rest, x, second);
+  const double s = F.col(0).cross(F.col(1)).norm(), I = F.squaredNorm();
+  const double J = plane_stress_ratio(I, area_law(s).f, w.compliance), J23 = std::cbrt(J * J);
+  const double held = std::max(s * s, least_normal * least_normal), apart = std::max(I * I - 4.0 * held, 0.0);
+  return 0.25 * (1.0 / J23 + 1.5 * J23 * J23 * (I + std::sqrt(apart)) / (held * held));
+}
+
+/// J. `x`: positions of the model; `force`: added to, N, where it is not empty.
+inline double wall_energy(const WallTexel& w, std::span<const Vec3> rest, std::span<const Vec3> x,
+                          std::span<Vec3> force) {
+  std::array<Vec3, 3> second;
+  const Eigen::Matrix<double, 3, 2> F = wall_gradient(w, rest, x, second);
+  const Index first = w.vertex[0];
   const Vec3 c = F.col(0).cross(F.col(1)), N = w.tangent[0].cross(w.tangent[1]);
   const double s = c.norm(), scale = std::max(s, least_normal), I = F.squaredNorm();
   const AreaLaw area = area_law(s);

@@ -250,13 +250,22 @@ ContactCandidates::Box ContactCandidates::box_at(std::size_t triangle, std::span
   return box;
 }
 
-/// m: within it all that may rank first is listed.
+/// m: within it all that may rank first is listed. Infinite: the nearest one, which is not deep, leaves out the rest.
 double ContactCandidates::reach_of(const Kept& list) const {
   double furthest = 0.0;
   const double own = surface_->particles[list.particle].edge;
-  for (const Near& near : std::span(listed_).subspan(list.first, list.count)) {
-    const double by_edge = search_distance(std::max(own, surface_->triangles[near.triangle].edge));
+  const auto all = std::span(listed_).subspan(list.first, list.count);
+  const auto edge_with = [&](const Near& near) { return std::max(own, surface_->triangles[near.triangle].edge); };
+  for (const Near& near : all) {
+    const double by_edge = search_distance(edge_with(near));
     if (near.least <= by_edge) furthest = std::max(furthest, by_edge);
+  }
+  for (const Near& near : all) {
+    if (near.least + 2.0 * slack_ > furthest) break;
+    const auto triangle = static_cast<std::size_t>(near.triangle);
+    const double most = distance_to(then_[list.particle], triangle, box_at(triangle, then_), HUGE_VAL).most;
+    const bool is_shallow = most + slack_ < ContactSurface::depth_factor * edge_with(near);
+    if (is_shallow && most + 2.0 * slack_ <= furthest) return HUGE_VAL;
   }
   return furthest;
 }
@@ -282,6 +291,8 @@ bool ContactCandidates::list_new_triangles() {
   if (rows.size() * boxes.size() > most_pairs) return false;
   const RowsByKey lists(kept_.size(), then_.size(), [&](std::size_t k) { return kept_[k].particle; });
   std::vector<std::pair<std::size_t, Near>> added;  // rows of kept_
+  Index last_list = -1;
+  double known = 0.0;  // m, reach_of() it
   for (const std::size_t k : rows) {
     const ContactSurface::Particle& own = surface_->particles[k];
     for (std::size_t n = 0; n < triangles.size() && to_search_[k] == 0; ++n) {
@@ -289,14 +300,15 @@ bool ContactCandidates::list_new_triangles() {
       if (triangle.body == own.body && !options_.self) continue;
       const double least = distance_to(then_[k], triangles[n], boxes[n], reach()).least;
       if (least == HUGE_VAL || surface_->is_own_skin(own, k, triangle)) continue;
-      const bool reaches = least <= search_distance(std::max(own.edge, triangle.edge));
+      const double limit = search_distance(std::max(own.edge, triangle.edge));
       const Index list = lists.find(static_cast<Index>(k), [&](std::size_t row) {
         return kept_[row].count > 0 && surface_->triangles[listed_[kept_[row].first].triangle].body == triangle.body;
       });
-      if (list >= 0 && (least <= search_distance(own.edge) || least <= reach_of(kept_[list]))) {
+      if (list >= 0 && list != last_list) known = reach_of(kept_[last_list = list]);
+      if (list < 0 || (least <= limit && limit > known)) {
+        to_search_[k] = least <= limit;
+      } else if (least <= known) {
         added.emplace_back(list, Near{static_cast<Index>(triangles[n]), least});
-      } else if (reaches) {
-        to_search_[k] = 1;
       }
     }
   }

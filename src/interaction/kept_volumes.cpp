@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "fluid_push.h"
+#include <numeric>
 
 namespace phymul {
 namespace {
@@ -64,6 +63,50 @@ void KeptVolumes::follow(const Scene& scene) {
     }
   }
   surfaces_ = std::move(now);
+  find_groups(scene);
+}
+
+/// A volume that is cut open is the outside, also for those that it opens into.
+void KeptVolumes::find_groups(const Scene& scene) {
+  const std::vector<VolumeConstraint>& all = scene.volume_constraints();
+  std::vector<FluidExchange::Link> links, outside;
+  for (int row = 0; row < static_cast<int>(all.size()); ++row) {
+    surfaces_[row].linked = false;
+    const Fluid& fluid = all[row].fluid;
+    if (fluid.opens_into.empty() || !(fluid.conductance > 0.0)) continue;
+    const int into = static_cast<int>(std::ranges::find(all, fluid.opens_into, &VolumeConstraint::name) - all.begin());
+    if (surfaces_[into].open) continue;
+    (surfaces_[row].open ? outside : links).push_back({row, into, fluid.conductance});
+  }
+  std::vector<int> first(all.size());  // row of the group
+  std::iota(first.begin(), first.end(), 0);
+  for (const auto& [from, into, conductance] : links) {
+    surfaces_[from].law.conductance = 0.0;
+    surfaces_[from].linked = surfaces_[into].linked = true;
+    const auto [low, high] = std::minmax({first[from], first[into]});
+    std::ranges::replace(first, high, low);
+  }
+  for (const auto& [from, into, conductance] : outside) {
+    Fluid& law = surfaces_[into].law;  // two openings are one, of the mean pressure behind them
+    const double sum = law.conductance + conductance;
+    law.outlet_pressure *= law.conductance / sum;
+    law.conductance = sum;
+  }
+  groups_.clear();
+  for (int row = 0; row < static_cast<int>(all.size()); ++row) {
+    if (!surfaces_[row].linked || first[row] != row) continue;
+    Group& group = groups_.emplace_back();
+    std::vector<int> place(all.size(), -1);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      if (first[k] != row) continue;
+      place[k] = static_cast<int>(group.rows.size());
+      group.rows.push_back(k);
+    }
+    for (const auto& [from, into, conductance] : links) {
+      if (first[from] == row) group.exchange.links.push_back({place[from], place[into], conductance});
+    }
+    group.exchange.allocate(static_cast<int>(group.rows.size()));
+  }
 }
 
 void KeptVolumes::reset(const Scene& scene, const State& state) {
@@ -104,11 +147,45 @@ const FluidState& KeptVolumes::fluid(const VolumeConstraint& wanted) const {
   return unseen_;
 }
 
+/// In the remainder of a call nothing flows between volumes.
 int KeptVolumes::act(TouchedParticles& touched) {
+  const bool remainder = touched.is_remainder();
   for (std::size_t row = 0; row < surfaces_.size(); ++row) {
-    if (!surfaces_[row].open && !restore(surfaces_[row], touched)) return static_cast<int>(row);
+    Surface& surface = surfaces_[row];
+    if (surface.open || (surface.linked && !remainder)) continue;
+    if (remainder && surface.law.law == FluidLaw::incompressible) {
+      surface.next = surface.now;
+    } else if (!restore(surface, predicted(surface, touched), touched)) {
+      return static_cast<int>(row);
+    }
+  }
+  if (remainder) return -1;
+  for (Group& group : groups_) {
+    if (const int row = restore(group, touched); row >= 0) return row;
   }
   return -1;
+}
+
+int KeptVolumes::restore(Group& group, TouchedParticles& touched) {
+  std::vector<FluidExchange::Volume>& volumes = group.exchange.volumes;
+  volumes.clear();
+  for (const std::size_t row : group.rows) {
+    Surface& surface = surfaces_[row];
+    FluidPush push = predicted(surface, touched);
+    push.conductance = 0.0;
+    volumes.push_back({.push = push,
+                       .reached = surface.reached,
+                       .along = surface.cubic,
+                       .conductance = surface.law.conductance,
+                       .outlet_pressure = surface.law.outlet_pressure,
+                       .p = surface.now.pressure});
+  }
+  int lost = group.exchange.solve();
+  for (std::size_t k = 0; k < volumes.size() && lost < 0; ++k) {
+    volumes[k].push.volume = volumes[k].left;
+    if (!restore(surfaces_[group.rows[k]], volumes[k].push, touched, volumes[k].p)) lost = static_cast<int>(k);
+  }
+  return lost < 0 ? -1 : static_cast<int>(group.rows[lost]);
 }
 
 bool KeptVolumes::is_finite() const {
@@ -131,7 +208,8 @@ void KeptVolumes::accept() {
   }
 }
 
-bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
+/// Where the step would take a surface, and what the fluid in it is then.
+FluidPush KeptVolumes::predicted(Surface& surface, TouchedParticles& touched) {
   // Without copies of the particles, which would take longer than all else here. No other surface has them.
   touched.fetch(surface.particles, surface.start, surface.end);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
@@ -152,29 +230,30 @@ bool KeptVolumes::restore(Surface& surface, TouchedParticles& touched) {
     push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
     push.before = surface.has_pressure ? surface.now.pressure_before : push.now;
   }
-  if (touched.is_remainder() && !push.has_law()) {
-    surface.next = surface.now;
-    return true;
-  }
   // By the same sum as Scene's, so that rest stays rest.
-  const double reached = enclosed_volume(surface.triangles, surface.end);
-  const auto along = volume_along(surface.triangles, surface.end, surface.along);
-  auto s = root_of_cubic(along, [&](double at) -> WantedVolume {
+  surface.reached = enclosed_volume(surface.triangles, surface.end);
+  surface.cubic = volume_along(surface.triangles, surface.end, surface.along);
+  return push;
+}
+
+bool KeptVolumes::restore(Surface& surface, const FluidPush& push, TouchedParticles& touched, double otherwise) {
+  const double reached = surface.reached;
+  auto s = root_of_cubic(surface.cubic, [&](double at) -> WantedVolume {
     const WantedVolume all = push(at);
     return {all.volume - reached, all.slope};
   });
-  surface.next.volume = s ? push.left(*s) : surface.now.volume;
+  surface.next.volume = s ? push.left(*s) : push.volume;
   // What an opening sucks dry stays as flat as it is.
-  const bool dry = !s && surface.law.conductance > 0.0 && reached > 0.0 && push(0.0).volume < reached;
+  const bool dry = !s && push.conductance > 0.0 && reached > 0.0 && push(0.0).volume < reached;
   if (dry) {
     s = 0.0;
     surface.next.volume = reached / fluid_ratio(surface.law, 0.0).volume;
   }
-  surface.next.pressure = s && !dry ? push.pressure(*s) : 0.0;
+  surface.next.pressure = s && !dry ? push.pressure(*s) : otherwise;
   surface.next.pressure_before = push.now + 0.0;  // not -0: read()
   // Where nothing is free to make up for it, what a backend in single precision rounds is not a loss; nor is what is no
   // number, whose particle is found out elsewhere.
-  if (!s) return !(std::abs(surface.now.volume - reached) > rounded_volume_share * surface.now.volume);
+  if (!s) return !(std::abs(push.volume - reached) > rounded_volume_share * push.volume);
   for (std::size_t k = 0; k < surface.particles.size(); ++k) {
     // s d is a way; over dt a velocity, times the mass an impulse.
     const Vec3 impulse = *s / touched.dt() * surface.gradient[k];

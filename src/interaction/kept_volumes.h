@@ -5,12 +5,14 @@
 // one that the fluid then has (the scheme of constraints in Verlet's method, which keeps angular momentum too). Of a
 // fluid with a law of pressure the push is the mean of its pressures at the ends of this step and of the one before,
 // (p+ + 2 p + p-) / 4: Newmark's average acceleration, which is stable in any step and neither gains nor loses energy
-// (Hughes, The Finite Element Method, 1987, ch. 9). Unknown is the push alone.
+// (Hughes, The Finite Element Method, 1987, ch. 9). Unknown is the push alone. Of volumes that open into each other
+// FluidExchange first finds how much fluid each has at the end; then each is as a closed one.
 #pragma once
 
 #include <phymul/scene.h>
 #include <phymul/state.h>
 
+#include "fluid_exchange.h"
 #include "predicted_step.h"
 
 namespace phymul {
@@ -36,16 +38,29 @@ class KeptVolumes {
     std::vector<std::array<Index, 3>> triangles;  // rows of `particles`
     bool open = false;                            // not kept
     VecList start, end, gradient, along;          // [particles]
-    Fluid law;
+    Fluid law;                                    // with all that opens outside
     FluidState now, next;
-    bool has_pressure = false;  // now.pressure_before is that of a step, of this much fluid
-    std::uint64_t seen = 0;     // VolumeConstraint::changes
+    bool linked = false;            // of a group
+    double reached = 0.0;           // m^3, at the end of the step without a push
+    std::array<double, 3> cubic{};  // volume_along() from there
+    bool has_pressure = false;      // now.pressure_before is that of a step, of this much fluid
+    std::uint64_t seen = 0;         // VolumeConstraint::changes
   };
   static Surface made(const VolumeConstraint& kept);
   static bool is_of(const Surface& surface, const VolumeConstraint& kept);
-  static bool restore(Surface& surface, TouchedParticles& touched);
+  /// Volumes that are open into each other.
+  struct Group {
+    std::vector<std::size_t> rows;
+    FluidExchange exchange;
+  };
+  void find_groups(const Scene& scene);
+  static FluidPush predicted(Surface& surface, TouchedParticles& touched);
+  /// `otherwise`: Pa, the pressure if nothing is free to move.
+  static bool restore(Surface& surface, const FluidPush& push, TouchedParticles& touched, double otherwise = 0.0);
+  int restore(Group& group, TouchedParticles& touched);
 
   std::vector<Surface> surfaces_;
+  std::vector<Group> groups_;
   mutable FluidState unseen_;
 };
 

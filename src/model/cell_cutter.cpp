@@ -39,11 +39,7 @@ class CellCutter {
   CellCutter(const CutBody& body, const CutCells& cut) : body_(body), cut_(cut) {}
 
   BodyCut run() {
-    std::size_t looked_at = 0;
-    for (std::size_t parted = 0; looked_at < cut_.cells.size() && parted < cut_.most; ++looked_at) {
-      parted += consider(cut_.cells[looked_at]) ? 1 : 0;
-    }
-    if (cut_.later != nullptr) *cut_.later = cut_.cells.size() - looked_at;
+    for (const Index row : cut_.cells) consider(row);
     std::vector<Index> corners;
     for (const Piece& piece : pieces_) {
       std::ranges::copy_if(piece.before, std::back_inserter(corners), [](Index i) { return i >= 0; });
@@ -106,9 +102,8 @@ class CellCutter {
   }
 
   /// A cell that the surface crosses behind the front is parted; one that lies on it with a side keeps that in mind.
-  /// Whether either was so.
-  bool consider(Index row) {
-    if (!can_cut(row)) return false;
+  void consider(Index row) {
+    if (!can_cut(row)) return;
     const Cell& cell = body_.model.cells[row];
     const std::size_t corners = cell.particles.size();
     CellCut cut{};
@@ -117,11 +112,11 @@ class CellCutter {
       if (!std::isfinite(cut[a])) throw Error(std::string(cut_.who) + ": expected finite distances to the surface");
     }
     const auto middle = middle_of_section(cut, corners);
-    if (!middle || !cut_.passed(row, *middle)) return false;
+    if (!middle || !cut_.passed(row, *middle)) return;
     // Particles are copied for all cells around them.
     for (const Index i : cell.particles) {
       for (const Index other : body_.cells_of[i]) {
-        if (!can_cut(other)) return false;
+        if (!can_cut(other)) return;
       }
     }
     BodyCut::Part first = part_of(cell);
@@ -129,20 +124,20 @@ class CellCutter {
     for (std::size_t a = 0; a < corners; ++a) other_way[a] = -cut[a];
     const bool lies_on = !divides(cut);
     const CellCut& own_way = lies_on && std::ranges::min(cut) < 0.0 ? other_way : cut;
-    if (std::ranges::find(first.cuts, own_way) != first.cuts.end()) return false;
+    if (std::ranges::find(first.cuts, own_way) != first.cuts.end()) return;
     // What earlier cuts left of it may lie on one side.
     const double whole = tissue_share(first.cuts, corners);
     first.cuts.push_back(own_way);
     if (lies_on) {
       add_piece(row, false, std::move(first));
-      return true;
+      return;
     }
     const double share = tissue_share(first.cuts, corners) / whole;
-    if (share < no_share || share > 1.0 - no_share) return false;
+    if (share < no_share || share > 1.0 - no_share) return;
     if (std::ranges::count_if(first.cuts, divides) > static_cast<std::ptrdiff_t>(most_cuts)) {
       if (cut_.refused != nullptr) {
         ++*cut_.refused;
-        return false;
+        return;
       }
       throw Error(ErrorCode::not_supported, std::string(cut_.who) + ": " +
                                                 cell_label(body_.model, static_cast<std::size_t>(row)) +
@@ -154,7 +149,6 @@ class CellCutter {
     second.share *= 1.0 - share;
     add_piece(row, false, std::move(first));
     add_piece(row, true, std::move(second));
-    return true;
   }
 
   /// Pieces around the particle, and their faces at it.

@@ -10,7 +10,6 @@
 #include <phymul/body_cut.h>
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -36,7 +35,7 @@ struct CutBody {
 
 /// Where a blade went.
 struct CutCells {
-  std::span<const Index> cells;           ///< that it may have crossed: rows of tissue, in the order of their cuts
+  std::span<const Index> cells;           ///< that it may have crossed: rows of tissue, ascending
   std::function<double(Index)> distance;  ///< of a particle from the surface, signed; 0: it passes through
   /// Whether the edge has passed the middle of a section, whose barycentric coordinates these are: of a triangle the
   /// first three.
@@ -44,8 +43,6 @@ struct CutCells {
   const char* who = "cut_body";  ///< begins messages
   /// Not null: what it would throw for is left as it is, and the cells are counted here.
   std::size_t* refused = nullptr;
-  std::size_t most = SIZE_MAX;   ///< cells that it cuts
-  std::size_t* later = nullptr;  ///< not null: how many of `cells` it did not look at for that
 };
 
 /// Particles without mass, neighbours and cell after all that have one (with_spare_particles), ascending.

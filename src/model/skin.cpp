@@ -296,6 +296,7 @@ void Skin::bind(std::span<const Index> particles, std::span<const double> weight
 
 Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside)
     : particle_count_(model.rest.size()), rest_hash_(hash_of(model.rest)) {
+  validate(model);
   const CellSearch search(model);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Place place = place_of_point(search, k, points[k], points[k], most_outside);

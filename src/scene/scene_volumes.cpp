@@ -73,6 +73,21 @@ void require_fluid(const Fluid& fluid, const std::string& label) {
   }
 }
 
+/// `all`: volume constraints that there are.
+void require_opening(const VolumeConstraint& own, const Fluid& fluid, const std::vector<VolumeConstraint>& all,
+                     const std::string& label) {
+  if (fluid.opens_into.empty()) return;
+  if (fluid.opens_into == own.name) throw Error(label + "expected another volume in Fluid::opens_into, got its own");
+  if (std::ranges::find(all, fluid.opens_into, &VolumeConstraint::name) == all.end()) {
+    throw Error(ErrorCode::unknown_name, label + "Fluid::opens_into is \"" + fluid.opens_into +
+                                             "\", which is no volume constraint of the scene; add that one first, or "
+                                             "open this one later, by set_fluid");
+  }
+  if (fluid.outlet_pressure == 0.0) return;
+  throw Error(label + "expected a Fluid::outlet_pressure of 0 with Fluid::opens_into, whose pressure is behind the " +
+              "opening; got " + to_decimal(fluid.outlet_pressure));
+}
+
 void require_sound(const VolumeConstraint& surface, const Model& model, const std::vector<VolumeConstraint>& others) {
   if (model.dimension != 3) throw Error(label(surface) + "expected a three-dimensional model");
   if (surface.triangles.empty()) {
@@ -88,6 +103,7 @@ void require_sound(const VolumeConstraint& surface, const Model& model, const st
                 "expected triangles counter-clockwise seen from outside; at rest they are wound inward");
   }
   require_fluid(surface.fluid, label(surface));
+  require_opening(surface, surface.fluid, others, label(surface));
   std::vector<char> own(model.rest.size(), 0);
   for (const std::array<Index, 3>& t : surface.triangles) {
     for (const Index i : t) own[i] = 1;
@@ -187,6 +203,7 @@ Scene& Scene::set_volume(std::string_view name, double volume) {
 Scene& Scene::set_fluid(std::string_view name, Fluid fluid) {
   VolumeConstraint& own = volume_named(name);
   require_fluid(fluid, "set_fluid: \"" + own.name + "\": ");
+  require_opening(own, fluid, volume_constraints_, "set_fluid: \"" + own.name + "\": ");
   own.fluid = std::move(fluid);
   ++version_;
   return *this;
@@ -194,6 +211,11 @@ Scene& Scene::set_fluid(std::string_view name, Fluid fluid) {
 
 Scene& Scene::remove_volume(std::string_view name) {
   const auto row = &volume_named(name) - volume_constraints_.data();
+  for (const VolumeConstraint& other : volume_constraints_) {
+    if (other.fluid.opens_into != name) continue;
+    throw Error("remove_volume: \"" + other.name + "\" opens into \"" + other.fluid.opens_into +
+                "\"; first close it or remove it: set_fluid, remove_volume");
+  }
   volume_constraints_.erase(volume_constraints_.begin() + row);
   if (row < static_cast<std::ptrdiff_t>(open_volumes_.size())) open_volumes_.erase(open_volumes_.begin() + row);
   ++version_;

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <functional>
-#include <span>
 #include <utility>
 
 #include "thread_bytes.h"
 #include "tool_bytes.h"
+#include "volume_bytes.h"
 #include "wire_codes.h"
 
 namespace phymul {
@@ -23,85 +23,6 @@ void contact_fields(Bytes& bytes, Contacts& contacts) {
   bytes.field(contacts.margin, "a contact margin");
   bytes.field(contacts.self, "whether a body touches itself");
   bytes.field(contacts.rounds, "a number of rounds");
-}
-
-template <class Bytes, class Kept>
-void volume_fields(Bytes& bytes, Kept& all) {
-  bytes.list(all, 20, "a number of kept volumes", [&](auto& surface) {
-    bytes.field(surface.volume, "a volume");
-    bytes.field(surface.applied_to, "a group's name");
-    bytes.list(surface.triangles, 12, "a number of triangles", [&](auto& triangle) {
-      for (auto& i : triangle) bytes.field(i, "a particle");
-    });
-  });
-}
-
-/// What volume_fields() has not, of which files were written before constraints had it.
-template <class Bytes, class Constraint>
-void fluid_fields_of(Bytes& bytes, Constraint& kept) {
-  bytes.field(kept.name, "a name");
-  code(bytes, kept.fluid.law, "a law of a fluid");
-  for (auto* value :
-       {&kept.fluid.outer_pressure, &kept.fluid.exponent, &kept.fluid.conductance, &kept.fluid.outlet_pressure}) {
-    bytes.field(*value, "a constant of a fluid");
-  }
-  bytes.list(kept.fluid.curve, 16, "a number of points", [&](auto& point) {
-    for (auto& value : point) bytes.field(value, "a point of a curve");
-  });
-}
-
-/// A volume in a change: of one that stays no triangles.
-struct VolumeChange {
-  std::vector<VolumeConstraint> kept{1};
-  bool is_new = true, is_set = false;
-};
-
-template <class Bytes, class Change>
-void change_fields(Bytes& bytes, Change& change) {
-  bytes.field(change.is_new, "whether a volume is new");
-  bytes.field(change.is_set, "whether a volume is set");
-  volume_fields(bytes, change.kept);
-  for (auto& kept : change.kept) fluid_fields_of(bytes, kept);
-}
-
-void put_volumes(ByteWriter& out, const Scene& scene, std::span<const VolumeConstraint> before) {
-  std::vector<VolumeChange> all;
-  // A replay keeps the order of the volumes that it has, and appends new ones: so does this list. A volume that was
-  // removed and constrained again counts as new.
-  auto first = before.begin();
-  for (const VolumeConstraint& kept : scene.volume_constraints()) {
-    const auto known = std::find_if(first, before.end(), [&](const auto& other) { return other.name == kept.name; });
-    VolumeChange& change = all.emplace_back();
-    change.kept = {kept};
-    change.is_new = known == before.end() || known->triangles != kept.triangles;
-    change.is_set = !change.is_new && known->changes != kept.changes;
-    first = change.is_new ? before.end() : known + 1;
-    if (!change.is_new) change.kept.front().triangles.clear();
-  }
-  out.list(std::as_const(all), 0, "", [&](const VolumeChange& change) { change_fields(out, change); });
-}
-
-void take_volumes(ByteReader& in, Scene& scene) {
-  std::vector<VolumeChange> all;
-  in.list(all, 30, "a number of volumes", [&](VolumeChange& change) { change_fields(in, change); });
-  std::vector<std::string> gone;
-  for (const VolumeConstraint& known : scene.volume_constraints()) {
-    const bool stays = std::ranges::any_of(all, [&](const VolumeChange& change) {
-      return !change.is_new && change.kept.size() == 1 && change.kept.front().name == known.name;
-    });
-    if (!stays) gone.push_back(known.name);
-  }
-  for (const std::string& name : gone) scene.remove_volume(name);
-  for (VolumeChange& change : all) {
-    if (change.kept.size() != 1) in.fail("expected one volume at a time; the file is damaged");
-    VolumeConstraint& kept = change.kept.front();
-    if (change.is_new) {
-      scene.constrain_volume(std::move(kept));
-      continue;
-    }
-    if (change.is_set) scene.set_volume(kept.name, kept.volume);
-    scene.set_fluid(kept.name, std::move(kept.fluid));
-  }
 }
 
 template <class Bytes, class Any>
@@ -382,11 +303,7 @@ void change_scene(Scene& scene, ByteReader& in) {
     joint_fields(in, joint);
     scene.add_joint(std::move(name), std::move(joint));
   }
-  if (anew) {
-    std::vector<VolumeConstraint> kept;
-    volume_fields(in, kept);
-    for (VolumeConstraint& surface : kept) scene.constrain_volume(std::move(surface));
-  }
+  if (anew) take_old_volumes(in, scene);
   if (anew && in.remaining() > 0) add_threads(in, scene);
   if (in.remaining() > 0) take_volumes(in, scene);
   if (in.remaining() > 0) take_tearing(in, scene);

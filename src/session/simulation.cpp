@@ -24,6 +24,11 @@ namespace {
 constexpr double step_without_stiffness = 1e-3;
 /// Share of a step that is rounding of the quotient of two times.
 constexpr double rounding = 1e-9;
+/// Up to so many steps in a call one more or less changes their length by much. Lengths that change to and fro drive
+/// the fastest vibrations, against their damping.
+constexpr double few_steps = 8.0;
+/// Of the limit, that steps may grow to; and of the stable step, a limit at which the body is nearly at rest.
+constexpr double clearly_short = 0.8, limit_at_rest = 0.88;
 
 bool is_given(const Material& material) {
   return material != Material{};
@@ -101,6 +106,14 @@ double Simulation::Parts::step_limit(double seconds) {
   return std::isfinite(limit) ? limit : step_without_stiffness;
 }
 
+double Simulation::Parts::held_steps(double seconds, double limit, double steps) {
+  if (options.step || !(last_dt > 0.0) || limit > limit_at_rest * solver().stable_step()) return steps;
+  const double last = std::round(seconds / last_dt);
+  const bool same_call = std::abs(last * last_dt - seconds) < 1e-6 * seconds;
+  if (!same_call || !(last > steps) || last > few_steps) return steps;
+  return std::clamp(std::ceil(seconds / (clearly_short * limit) - rounding), steps, last);
+}
+
 StepReport Simulation::Parts::step(int n, double dt) {
   StepReport report = recorder ? recorder->step(n, dt) : solver().step(n, dt);
   took_steps(report);
@@ -117,6 +130,7 @@ bool Simulation::Parts::divide(StepReport& report) {
     body_edit();
   }
   if (report.ok()) cut_with_blades(report);
+  report.cut_later = static_cast<int>(waiting.size());
   if (report.ok()) tear(report);
   const bool changed = topology->cuts.size() != before;
   if (changed) report.at_rest = false;  // that was said of what was whole
@@ -127,7 +141,7 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Dampin
   RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
   took_steps(result.report);
-  if (divide(result.report) && result.converged()) result.status = RestStatus::step_limit;
+  if ((divide(result.report) || !waiting.empty()) && result.converged()) result.status = RestStatus::step_limit;
   follow_history(result.report);
   return result;
 }
@@ -172,7 +186,7 @@ double Simulation::step_limit(double seconds) const {
 StepReport Simulation::advance(double seconds) {
   const double limit = step_limit(seconds);
   if (seconds == 0.0) return parts_->step(0, limit);
-  const double steps = std::max(1.0, std::ceil(seconds / limit - rounding));
+  const double steps = parts_->held_steps(seconds, limit, std::max(1.0, std::ceil(seconds / limit - rounding)));
   // One step of a length that makes no sense: the solver refuses it and says why.
   if (!(seconds > 0.0) || !(steps <= std::numeric_limits<int>::max())) return parts_->step(1, seconds);
   const double dt = seconds / steps;

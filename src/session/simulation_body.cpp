@@ -90,6 +90,7 @@ void Simulation::Parts::ask_tools_again(std::vector<SceneTool> asked, const std:
 
 void Simulation::Parts::took_steps(const StepReport& report) {
   if (report.steps == 0) return;
+  last_dt = report.dt;
   started.reset();
   see_tools();
 }
@@ -112,6 +113,7 @@ void Simulation::Parts::set_body(const std::vector<Index>& removed, const BodyCu
     throw;
   }
   ask_tools_again(scene.tools(), tools_seen);
+  if (!waiting.empty()) follow_waiting(cuts_before);
   const std::size_t known = warnings.size();
   look_for_tools_beyond_cuts(model, scene, warnings);
   if (options.log && warnings.size() > known) options.log(warnings.back());

@@ -22,6 +22,8 @@ struct Simulation::Parts {
 
   Solver& solver();  ///< made by the first call
   double step_limit(double seconds = 0.0);
+  /// Of a call of so many seconds that may have `steps` by this limit, s: more where the last one had.
+  double held_steps(double seconds, double limit, double steps);
   const TopologyTextures& elastic() { return scaled.of(*topology, scene.stiffness_factors()); }
 
   /// To be called before steps of dt: converts the velocities of a state that was set for just these steps.
@@ -45,15 +47,14 @@ struct Simulation::Parts {
   /// `removed`: ascending. Where the solver refuses it, the body stays as it was.
   void set_body(const std::vector<Index>& removed, const BodyCuts& cuts);
   void change_body(const std::vector<Index>& removed, const BodyCuts& cuts);
-  void state_changed();       ///< by something that the recorder does not see
-  void begin_history_anew();  ///< at the present state
+  void state_changed(std::vector<Snapshot::CutLater> left = {});  ///< by something that the recorder does not see
+  void begin_history_anew();                                      ///< at the present state
 
   StepReport step(int n, double dt);
   bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed
   void cut_with_blades(StepReport& report);
-  /// At most so many cells, which it counts down; how many are left. `again`: the sweep left them.
-  std::size_t cut_along(const SceneTool& tool, const Snapshot::Sweep& sweep, bool again, std::size_t& most,
-                        StepReport& report);
+  void cut_waiting(StepReport& report);
+  void follow_waiting(const BodyCuts& before);  ///< to the cuts that the body has now
   void tear(StepReport& report);
   /// One of those cuts, of so many cells. The solver may refuse it.
   void make_cut(BodyCut cut, std::size_t cells, StepReport& report);
@@ -71,7 +72,7 @@ struct Simulation::Parts {
     std::uint64_t places = 0;  ///< SceneTool
   };
   std::map<std::uint64_t, SeenBlade> blades_seen;  ///< by SceneTool::id, after the last call
-  std::vector<Snapshot::Sweep> sweeps;             ///< that left cells to the next calls, of each blade in order
+  std::vector<Snapshot::CutLater> waiting;         ///< cells for their cuts, in order
   struct SeenTool {
     std::uint64_t moves = 0, places = 0, grasps = 0;  ///< SceneTool
   };
@@ -79,6 +80,7 @@ struct Simulation::Parts {
   void see_tools();
   void ask_tools_again(std::vector<SceneTool> asked, const std::map<std::uint64_t, SeenTool>& seen);
   void took_steps(const StepReport& report);
+  double last_dt = 0.0;      ///< s, of the last step; 0: none
   bool refused_cut = false;  ///< make_cut()
   Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of

@@ -26,30 +26,36 @@ bool Simulation::Parts::is_at_start(const Snapshot& now) const {
 Snapshot Simulation::Parts::snapshot() {
   Snapshot now = solver().snapshot();
   if (is_at_start(now)) now.start = {started->wanted.position, started->wanted.velocity, started->dt};
-  now.start.sweeps = sweeps;
+  now.start.cut_later = waiting;
   return now;
 }
 
 void Simulation::Parts::begin_again(const Snapshot& there) {
   started.reset();
+  last_dt = there.last_dt;
   if (!there.start.position.empty()) {
     started = Start{.wanted = there.state, .taken = solver().read(), .dt = there.start.dt};
     started->wanted.position = there.start.position;
     started->wanted.velocity = there.start.velocity;
   }
-  state_changed();
-  sweeps = there.start.sweeps;
+  std::vector<Snapshot::CutLater> left = there.start.cut_later;
+  std::erase_if(left, [&](const Snapshot::CutLater& own) {  // of another body
+    return own.cell >= static_cast<Index>(model.cells.size()) ||
+           model.cells[own.cell].particles.size() > own.cut.size();
+  });
+  state_changed(std::move(left));
   begin_history_anew();
 }
 
 void Simulation::Parts::follow_history(const StepReport& report) {
   if (history)
-    history->follow(solver(), report, report.steps == 0 ? snapshot().start : Snapshot::Start{.sweeps = sweeps});
+    history->follow(solver(), report, report.steps == 0 ? snapshot().start : Snapshot::Start{.cut_later = waiting});
 }
 
 void Simulation::Parts::start(const State& state) {
   const double dt = step_limit();
   solver().start(state, dt);
+  last_dt = 0.0;
   started = Start{.wanted = state, .taken = solver().read(), .dt = dt};
   state_changed();
   begin_history_anew();
@@ -67,6 +73,7 @@ void Simulation::Parts::start_at_rest(const State& state, const std::vector<Tool
   }
   if (rest.joints.size() == of_joints.size()) rest.joints = of_joints;
   solver().restore(rest);
+  last_dt = 0.0;
   started = Start{.wanted = state, .taken = solver().read(), .dt = step_limit()};
   state_changed();
   begin_history_anew();
@@ -111,9 +118,9 @@ void Simulation::Parts::begin(double dt) {
   ask_tools_again(scene.tools(), seen);
 }
 
-void Simulation::Parts::state_changed() {
+void Simulation::Parts::state_changed(std::vector<Snapshot::CutLater> left) {
   see_tools();
-  sweeps.clear();
+  waiting = std::move(left);
   blades_seen.clear();
   for (const SceneTool& tool : scene.tools()) {
     if (std::holds_alternative<Blade>(tool.tool.shape))

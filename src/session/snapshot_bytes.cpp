@@ -10,7 +10,6 @@
 
 #include "base/fnv.h"
 #include "cut_bytes.h"
-#include "interaction/tool_frame.h"
 #include "thread_bytes.h"
 #include "tool_bytes.h"
 
@@ -21,7 +20,7 @@ namespace {
 constexpr const char *motion_part = "motion", *scene_part = "scene", *removed_part = "removed cells",
                      *cuts_part = "cuts", *blades_part = "blades", *threads_part = "threads",
                      *scene_threads_part = "scene threads", *fluids_part = "fluids", *sewn_part = "sewn passages",
-                     *needles_part = "needles", *start_part = "start", *sweeps_part = "sweeps";
+                     *needles_part = "needles", *start_part = "start", *later_part = "cells to cut";
 
 bool all_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -118,12 +117,11 @@ void blade_fields(Bytes& bytes, Points& points) {
   });
 }
 
-template <class Bytes, class Sweeps>
-void sweep_fields(Bytes& bytes, Sweeps& sweeps) {
-  bytes.list(sweeps, 212, "a number of sweeps", [&](auto& sweep) {
-    bytes.field(sweep.tool, "a tool's name");
-    pose_fields(bytes, sweep.from);
-    pose_fields(bytes, sweep.to);
+template <class Bytes, class Cells>
+void later_fields(Bytes& bytes, Cells& cells) {
+  bytes.list(cells, 36, "a number of cells", [&](auto& own) {
+    bytes.field(own.cell, "a cell");
+    for (auto& value : own.cut) bytes.field(value, "a distance from a cut");
   });
 }
 
@@ -186,8 +184,8 @@ void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene) {
     part.vectors(snapshot.start.position);
     part.vectors(snapshot.start.velocity);
   });
-  const auto& sweeps = snapshot.start.sweeps;
-  add(!sweeps.empty(), sweeps_part, [&](ByteWriter& part) { sweep_fields(part, sweeps); });
+  const auto& later = snapshot.start.cut_later;
+  add(!later.empty(), later_part, [&](ByteWriter& part) { later_fields(part, later); });
   add(snapshot.growth != 0.0 || snapshot.max_speed != 0.0, motion_part, [&](ByteWriter& part) {
     part.real(snapshot.growth);
     part.real(snapshot.max_speed);
@@ -294,13 +292,13 @@ Snapshot take_snapshot(ByteReader& in) {
       if (!sound || !std::isfinite(start.dt)) in.fail("expected finite numbers where the first step begins");
       continue;
     }
-    if (part.name == sweeps_part) {
-      std::vector<Snapshot::Sweep>& sweeps = snapshot.start.sweeps;
-      sweep_fields(bytes, sweeps);
-      bytes.expect_end("the sweeps of blades");
-      const bool sound = std::ranges::all_of(
-          sweeps, [](const Snapshot::Sweep& sweep) { return is_finite(sweep.from) && is_finite(sweep.to); });
-      if (!sound) in.fail("expected finite poses of edges; the file is damaged");
+    if (part.name == later_part) {
+      later_fields(bytes, snapshot.start.cut_later);
+      bytes.expect_end("the cells to cut");
+      const bool sound = std::ranges::all_of(snapshot.start.cut_later, [](const Snapshot::CutLater& own) {
+        return own.cell >= 0 && std::ranges::all_of(own.cut, [](double value) { return std::isfinite(value); });
+      });
+      if (!sound) in.fail("expected rows of cells and finite distances from cuts; the file is damaged");
       continue;
     }
     if (part.name == motion_part) {

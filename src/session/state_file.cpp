@@ -36,7 +36,7 @@ std::size_t bytes_of(const Snapshot& snapshot) {
     bytes += sizeof thread + 2 * thread.position.size() * (sizeof(Vec3) + sizeof(double));
     for (const Anchor& own : thread.sewn) bytes += sizeof own + own.particles.size() * (sizeof(Index) + sizeof(double));
   }
-  for (const Snapshot::Sweep& sweep : snapshot.start.sweeps) bytes += sizeof sweep + sweep.tool.size();
+  bytes += snapshot.start.cut_later.size() * sizeof(Snapshot::CutLater);
   for (const FluidState& fluid : snapshot.state.fluids) bytes += sizeof fluid + fluid.name.size();
   bytes += snapshot.tools.size() * sizeof(ToolMemory);  // Snapshot::scene is shared by all that have the same
   for (const JointReport& joint : snapshot.joints) bytes += sizeof joint + joint.springs.size() * sizeof(SpringReport);

@@ -33,8 +33,10 @@ inline constexpr int with_suction = static_cast<int>(ToolContact::surface) + 1;
 constexpr int codes_of(ToolContact) {
   return 2 * with_suction;
 }
+/// Of files alone, added to a FluidLaw: of a fluid that opens into another volume.
+inline constexpr int into_another = static_cast<int>(FluidLaw::curve) + 1;
 constexpr int codes_of(FluidLaw) {
-  return static_cast<int>(FluidLaw::curve) + 1;
+  return 2 * into_another;
 }
 constexpr int codes_of(TipHold) {
   return static_cast<int>(TipHold::clamped) + 1;

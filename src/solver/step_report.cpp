@@ -36,7 +36,7 @@ std::string good_message(const StepReport& r, const char* verdict) {
   }
   if (r.cut_later > 0) {
     all += "; " + std::to_string(r.cut_later) + (r.cut_later == 1 ? " cell is" : " cells are") +
-           " left for blades to cut in the next calls (tick_budget)";
+           " passed by blades and cut in the next calls (tick_budget)";
   }
   if (r.springs_broken == 0) return all;
   return all + "; " + std::to_string(r.springs_broken) +

@@ -80,4 +80,32 @@ TEST(GuideFluids, BagDrains) {
   EXPECT_LT(sim.solver().fluid("bile").volume, full - 2.5e-7);
 }
 
+TEST(GuideFluids, BagEmptiesIntoAnother) {
+  const phymul::Model ball = phymul::make_body(phymul::solid_ball({0, 0, 0}, 0.02), {.spacing = 6e-3});
+  const phymul::Surface surface{.vertices = ball.rest, .triangles = phymul::surface_triangles(ball), .notes = {}};
+  const phymul::Material wall{.young = 20e3, .poisson = 0.45, .density = 1050, .thickness = 1e-3};
+  const phymul::Model bag = phymul::make_wall(surface, {.material = wall}), other = moved(bag, {0.06, 0, 0});
+  const phymul::NamedBody bodies[] = {{"gallbladder", &bag}, {"gut", &other}};
+  phymul::Simulation sim(phymul::merge_models(bodies), {.damping = {.rate = 20}});
+  const double full = 1.2 * 4.0 / 3.0 * 3.14159 * 8e-6;
+  phymul::VolumeConstraint bile{.triangles = {}, .volume = full, .applied_to = {}, .name = "bile"}, chyme = bile;
+  chyme.name = "chyme";
+  chyme.volume = full / 1.2;
+  for (const auto& t : phymul::surface_triangles(sim.model())) {
+    (sim.model().rest[t[0]].x() < 0.03 ? bile : chyme).triangles.push_back(t);
+  }
+
+  sim.scene().constrain_volume(bile).constrain_volume(chyme);
+
+  phymul::Fluid duct;
+  duct.conductance = 1e-7;  // m^3/(Pa s)
+  duct.opens_into = "chyme";
+  sim.scene().set_fluid("bile", duct);
+
+  EXPECT_TRUE(sim.advance(1.0).ok());
+  const phymul::FluidState left = sim.solver().fluid("bile"), filled = sim.solver().fluid("chyme");
+  EXPECT_NEAR(left.pressure, filled.pressure, 0.01 * filled.pressure);
+  EXPECT_EQ(left.volume + filled.volume, full + full / 1.2);
+}
+
 }  // namespace

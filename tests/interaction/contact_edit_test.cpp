@@ -86,5 +86,38 @@ TEST(ContactEdits, ListAllThatCounts) {
   EXPECT_LT(searches, steps / 4) << steps;
 }
 
+/// A beam comes back that stands out from a wall, over a floor and toward a block which had the floor alone in its
+/// lists: no triangle that these have goes.
+TEST(ContactEdits, NewTrianglesJoinListsThatStay) {
+  constexpr double cell = 0.005;  // m
+  Model low = make_tetrahedral_block({6 * cell, 2 * cell, 3 * cell}, 6, 2, 3, 0.0, 1);
+  Model high = make_tetrahedral_block({cell, cell, cell}, 1, 1, 1, 0.0, 1);
+  for (Model* const model : {&low, &high}) set_material(*model, {1e4, 0.3, 1000.0});
+  const Model whole = joined_bodies(low, moved(std::move(high), {0.003, 0.0024, 0.0105}));
+  const auto without = [&](auto is_gone) {
+    Model model = whole;
+    std::vector<char> is_there(model.rest.size(), 0);
+    for (Cell& own : model.cells) {
+      Vec3 centre = Vec3::Zero();
+      for (const Index i : own.particles) centre += 0.25 * model.rest[i];
+      const bool of_low = own.particles[0] < low.particle_count();
+      if (of_low && centre.x() < 4 * cell && centre.z() > cell && is_gone(centre)) own.share = 0.0;
+      for (const Index i : own.particles) is_there[i] = is_there[i] != 0 || own.share > 0.0;
+    }
+    for (std::size_t i = 0; i < is_there.size(); ++i) model.mass[i] *= is_there[i];
+    return make_contact_surface(model);
+  };
+  const ContactSurface bare = without([](const Vec3&) { return true; });
+  const ContactSurface beam = without([](const Vec3& at) { return at.x() < 2 * cell || at.z() < 2 * cell; });
+  ContactCandidates candidates;
+  candidates.follow(bare, {});
+  EXPECT_FALSE(pairs_listed(candidates, bare.rest, 1e-4).empty());
+  candidates.follow(beam, {}, &bare);
+  const Pairs listed = pairs_listed(candidates, beam.rest, 1e-4), wanted = pairs_that_count(beam, beam.rest, {}, 1e-4);
+  EXPECT_TRUE(std::ranges::includes(listed, wanted));
+  EXPECT_FALSE(wanted.empty());
+  EXPECT_EQ(candidates.searches(), 1u);
+}
+
 }  // namespace
 }  // namespace phymul

@@ -14,10 +14,10 @@ namespace {
 
 using namespace test;
 
-constexpr double side = 0.04;  // m
+constexpr double cut_cube_side = 0.04;  // m
 
 Model block(double height, int across, int layers) {
-  Model model = make_tetrahedral_block({side, side, height}, across + 1, across + 1, layers, 0.25, 7);
+  Model model = make_tetrahedral_block({cut_cube_side, cut_cube_side, height}, across + 1, across + 1, layers, 0.25, 7);
   set_material(model, {1e4, 0.3, 1000.0});
   return model;
 }

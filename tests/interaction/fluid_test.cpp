@@ -9,7 +9,7 @@
 
 #include <numbers>
 
-#include "interaction/fluid_push.h"
+#include "interaction/fluid_exchange.h"
 #include "model/enclosed_volume.h"
 #include "support/bodies.h"
 #include "support/message_of.h"

@@ -12,7 +12,7 @@
 namespace phymul::test {
 namespace {
 
-constexpr double tick = 2e-3;  // s
+constexpr double jaws_tick = 2e-3;  // s
 
 /// An ellipsoid whose tip at +x is between jaws that come from there and open along z.
 struct Grasp {
@@ -39,12 +39,12 @@ struct Grasp {
   }
   /// Ticks in which the hinge goes to a place.
   void go(const Vec3& to, double seconds) {
-    const int ticks = static_cast<int>(std::lround(seconds / tick));
+    const int ticks = static_cast<int>(std::lround(seconds / jaws_tick));
     const Vec3 from = at;
     for (int k = 1; k <= ticks; ++k) {
       at = from + (to - from) * k / ticks;
-      jaws.follow(hinge(), sim.force_on(jaws.first()), sim.force_on(jaws.second()), tick);
-      ASSERT_TRUE(is_ok(sim.advance(tick)));
+      jaws.follow(hinge(), sim.force_on(jaws.first()), sim.force_on(jaws.second()), jaws_tick);
+      ASSERT_TRUE(is_ok(sim.advance(jaws_tick)));
     }
   }
   Vec3 tip() const {

@@ -10,9 +10,9 @@
 namespace phymul::test {
 namespace {
 
-constexpr double side = 0.072;           // m, of a block
-constexpr double spread = 34 * 0.64e-3;  // m, of the default needle
-constexpr double part = 5e-5;            // m, of the way in a call
+constexpr double punctured_side = 0.072;        // m, of a block
+constexpr double needle_spread = 34 * 0.64e-3;  // m, of the default needle
+constexpr double punctured_part = 5e-5;         // m, of the way in a call
 
 /// A needle over the middle of a block whose bottom is held, off the lattice's lines.
 struct Default {
@@ -30,19 +30,22 @@ struct Default {
     solver = make_solver("cpu", model, scene, {}, damped(40.0));
   }
   static Model block(double spacing, const Material& material) {
-    const int cells = static_cast<int>(std::lround(side / spacing));
-    return with_material(make_block({side, side, side}, cells, cells, cells), material);
+    const int cells = static_cast<int>(std::lround(punctured_side / spacing));
+    return with_material(make_block({punctured_side, punctured_side, punctured_side}, cells, cells, cells), material);
   }
-  ToolPose pose() const { return {.position = {0.5 * side + 0.3e-3, 0.5 * side - 0.2e-3, side - depth}}; }
+  ToolPose pose() const {
+    return {.position = {0.5 * punctured_side + 0.3e-3, 0.5 * punctured_side - 0.2e-3, punctured_side - depth}};
+  }
   bool punctured() const { return solver->read().tools.at(0).needle.punctured; }
 
   /// Deeper until it has punctured, or as deep as `deepest`. False where a cell is beyond the law.
   bool go(double deepest, bool to_puncture) {
     const double dt = 0.4 * solver->stable_step();
     while (depth < deepest && !(to_puncture && punctured())) {
-      depth += part;
+      depth += punctured_part;
       scene.tool("needle").move_to(pose());
-      const StepReport report = solver->step(std::max(1, static_cast<int>(std::lround(part / speed / dt))), dt);
+      const StepReport report =
+          solver->step(std::max(1, static_cast<int>(std::lround(punctured_part / speed / dt))), dt);
       EXPECT_TRUE(is_ok(report));
       gave_way += report.tissue_gave_way;
       if (report.beyond_law > 0 || report.inverted > 0) return false;
@@ -71,7 +74,9 @@ TEST(NeedlePuncture, IsThatOfFinerMeshes) {
     RecordProperty("depth_" + std::to_string(static_cast<int>(young)), std::to_string(most_depth));
     EXPECT_LE(most_force, 1.15 * least_force) << young;
     EXPECT_LE(most_depth, 1.15 * least_depth) << young << ": " << least_depth << " to " << most_depth;
-    EXPECT_NEAR(most_force, std::min(2.0, young * spread * spread / (1.25 + 0.6 + 0.085)), 0.05 * most_force) << young;
+    EXPECT_NEAR(most_force, std::min(2.0, young * needle_spread * needle_spread / (1.25 + 0.6 + 0.085)),
+                0.05 * most_force)
+        << young;
   }
 }
 

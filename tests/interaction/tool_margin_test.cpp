@@ -12,16 +12,16 @@
 namespace phymul::test {
 namespace {
 
-constexpr double spacing = 8.4e-3;      // m
-constexpr int across = 4, high = 4;     // cells
-constexpr double top = high * spacing;  // m
-const Vec3 middle(0.5 * across * spacing, 0.5 * across * spacing, top);
+constexpr double margin_spacing = 8.4e-3;                      // m
+constexpr int across = 4, cells_below = 4;                     // cells
+constexpr double top_of_block = cells_below * margin_spacing;  // m
+const Vec3 middle_of_top(0.5 * across * margin_spacing, 0.5 * across * margin_spacing, top_of_block);
 
 /// Of the pressed body, with every cell cut into so many along each axis.
 Model slab(int finer) {
-  return with_material(
-      make_block({across * spacing, across * spacing, top}, across * finer, across * finer, high * finer),
-      {.young = 6e3, .poisson = 0.45, .density = 1000});
+  return with_material(make_block({across * margin_spacing, across * margin_spacing, top_of_block}, across * finer,
+                                  across * finer, cells_below * finer),
+                       {.young = 6e3, .poisson = 0.45, .density = 1000});
 }
 
 struct Pressed {
@@ -39,7 +39,7 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
   const int steps = static_cast<int>(std::ceil(1e-3 / (0.4 * solver->stable_step())));
   const ToolHandle rod = scene.tool("rod");
   // The lower end of the rod itself goes to the depth, not that of its margin.
-  const double lowest = top - depth + radius;
+  const double lowest = top_of_block - depth + radius;
   Pressed seen;
   int at_rest = 0;
   while (at_rest < rest) {
@@ -50,7 +50,7 @@ Pressed press(const Model& model, const Vec3& place, double radius, double margi
     EXPECT_TRUE(report.ok()) << report.message();
     if (!report.ok()) break;
     const ToolForce& on_rod = solver->tool_force(rod);
-    seen.unfelt += pose.position.z() < top - spacing && on_rod.mean_force.norm() == 0.0 ? 1 : 0;
+    seen.unfelt += pose.position.z() < top_of_block - margin_spacing && on_rod.mean_force.norm() == 0.0 ? 1 : 0;
     seen.force = on_rod.mean_force.z();
   }
   return seen;
@@ -108,10 +108,10 @@ TEST(ToolMargin, NoRodPassesUnfelt) {
   for (const double radius : {0.0005, 0.0025, 0.005, 0.008}) {
     const double margin = least_margin(model, Capsule{radius, 0.1});
     for (const Vec3& place : places) {
-      const Pressed with = press(model, middle + spacing * place, radius, margin, 0.025, 1);
+      const Pressed with = press(model, middle_of_top + margin_spacing * place, radius, margin, 0.025, 1);
       EXPECT_EQ(with.unfelt, 0) << radius << " m at " << place.transpose();
       EXPECT_GT(with.force, 0.1) << radius << " m at " << place.transpose();
-      through += press(model, middle + spacing * place, radius, 0.0, 0.025, 1).force == 0.0 ? 1 : 0;
+      through += press(model, middle_of_top + margin_spacing * place, radius, 0.0, 0.025, 1).force == 0.0 ? 1 : 0;
     }
   }
   EXPECT_GT(through, 5);  // without it, this is what they do
@@ -124,13 +124,15 @@ TEST(ToolMargin, ForceOverThatOnAFineBody) {
   std::printf("| radius, mm | on the fine body, N | no margin, mm | half | least_margin | with stretch 2 |\n");
   for (const double radius : {0.0025, 0.005, 0.008}) {
     const double full = least_margin(coarse, Capsule{radius, 0.1});
-    const double truth =
-        press(fine, middle + spacing * places[3], radius, least_margin(fine, Capsule{radius, 0.1}), 0.008, 100).force;
+    const double truth = press(fine, middle_of_top + margin_spacing * places[3], radius,
+                               least_margin(fine, Capsule{radius, 0.1}), 0.008, 100)
+                             .force;
     const std::array<double, 4> margins{0.0, 0.5 * full, full, least_margin(coarse, Capsule{radius, 0.1}, 2.0)};
     std::array<double, 4> least{INFINITY, INFINITY, INFINITY, INFINITY}, most{};
     for (const Vec3& place : places) {
       for (std::size_t k = 0; k < margins.size(); ++k) {
-        const double ratio = press(coarse, middle + spacing * place, radius, margins[k], 0.008, 100).force / truth;
+        const double ratio =
+            press(coarse, middle_of_top + margin_spacing * place, radius, margins[k], 0.008, 100).force / truth;
         least[k] = std::min(least[k], ratio);
         most[k] = std::max(most[k], ratio);
       }

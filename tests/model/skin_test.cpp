@@ -141,6 +141,9 @@ TEST(Skin, RefusesWhatDoesNotBelongToTheBody) {
   EXPECT_NE(refusal(block, {0, std::numeric_limits<double>::quiet_NaN(), 0}), "(no error)");
   EXPECT_EQ(refusal(make_strip(0.1, 0.1, 2, 2), {0, 0, 0}),
             "Skin: the body has no volume cells, between whose particles a point could move");
+  Model damaged = block;
+  damaged.cells[3].particles[2] = 27;
+  EXPECT_TRUE(says(refusal(damaged, {0.05, 0.05, 0.05}), "27"));
   const Skin skin(block, VecList{{0.05, 0.05, 0.05}});
   EXPECT_EQ(message_of([&] { skin.deform(VecList(26, Vec3::Zero())); }),
             "Skin::deform: expected the positions of 27 particles, got 26");

@@ -104,7 +104,7 @@ TEST(BladeState, WhatABudgetLeavesIsInSnapshotsAndFiles) {
   const std::string path = testing::TempDir() + "budget.state";
   stroke.sim.save(path);
   const Snapshot half_way = stroke.sim.snapshot();
-  EXPECT_FALSE(half_way.start.sweeps.empty());
+  EXPECT_FALSE(half_way.start.cut_later.empty());
   const ToolPose pose = stroke.pose;
   const auto end_of = [&](Stroke& of) {
     of.pose = pose;

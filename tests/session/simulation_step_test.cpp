@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "support/bodies.h"
+#include "support/cut_walls.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
 
@@ -144,6 +145,58 @@ TEST(FrequencyGrowth, IsAboveThatOfCapsulesAndSponges) {
     sim.scene().fix("z0");
     EXPECT_NEAR(sim.advance(1e-3).growth, frequency_growth(topology, topology.rest), 1e-3);
     EXPECT_LT(share(sim, 1e-6), 0.6);
+  }
+}
+
+Model jittered_sheet(double poisson, double thickness) {
+  const Surface surface = grid_surface(10, 10, 0.25, [](double u, double v) { return Vec3(0.04 * u, 0.04 * v, 0.0); });
+  return make_wall(surface, {.material = {.young = 5e3, .poisson = poisson, .density = 1000, .thickness = thickness}});
+}
+
+/// Thin ones, whose membrane sets the step, and one as thick as a spacing and a half, whose bending does; flat and
+/// rolled up. Of nearly incompressible ones pressed from all sides the formula is close.
+TEST(FrequencyGrowth, IsAboveThatOfStretchedWalls) {
+  for (const double thickness : {2e-4, 6e-3}) {
+    for (const double nu : {-0.3, 0.0, 0.3, 0.45, 0.49}) {
+      const TopologyTextures topology = build_topology(jittered_sheet(nu, thickness));
+      const double at_rest = estimate_spectrum(topology, topology.rest).largest;
+      EXPECT_NEAR(frequency_growth(topology, topology.rest), std::max(1.0, 2.0 * (1.0 - nu) / 1.15), 1e-7);
+      for (const auto& [a, b] :
+           {std::pair{0.8, 1.0}, {0.9, 0.9}, {0.7, 1.2}, {0.6, 0.6}, {0.9, 1.7}, {1.4, 1.4}, {2.0, 2.0}}) {
+        for (const double radius : {0.0, 0.01}) {  // m; 0: flat
+          VecList x = topology.rest;
+          for (Vec3& p : x) {
+            p = Vec3(a * p.x(), b * p.y(), 0.0);
+            if (radius > 0.0) p = Vec3(radius * std::sin(p.x() / radius), p.y(), radius * std::cos(p.x() / radius));
+          }
+          const double growth = estimate_spectrum(topology, x).largest / at_rest;
+          const double most = frequency_growth(topology, x);
+          EXPECT_GT((thickness < 1e-3 ? 1.15 : 1.22) * most, growth)
+              << thickness << ' ' << nu << ' ' << a << ' ' << b << ' ' << radius;
+          const bool is_close = thickness < 1e-3 && nu > 0.4 && a == 0.9 && b == 0.9;
+          EXPECT_LT(most, is_close ? 1.1 * growth : HUGE_VAL) << nu << ' ' << radius;
+        }
+      }
+    }
+  }
+}
+
+TEST(FrequencyGrowth, OfWallsIsTheSameOnBothProcessorBackends) {
+  for (const Index removed : {0, 3}) {
+    std::vector<double> growth;
+    for (const char* const backend : {"reference", "cpu"}) {
+      const Model sheet = jittered_sheet(0.4, 1e-3);
+      Simulation sim(sheet, {.backend = backend, .damping = {.rate = 20}, .step = 0.5});
+      sim.scene().fix(sheet.particles_in([](const Vec3& x) { return x.x() < 1e-3 || x.x() > 0.039; }));
+      if (removed > 0) sim.remove_cells(std::vector<Index>{0, 1, 100});
+      State state = rest_state(sheet);
+      for (Vec3& x : state.position) x.x() *= 0.85;
+      sim.set_state(state);
+      growth.push_back(sim.step(2, 1e-6).growth);
+      EXPECT_NEAR(frequency_growth(sim.solver().topology(), sim.solver().read().position) / growth.back(), 1.0, 1e-3);
+    }
+    EXPECT_GT(growth[0], 1.5);
+    EXPECT_NEAR(growth[1] / growth[0], 1.0, 1e-4) << removed;
   }
 }
 

@@ -33,7 +33,7 @@ class StepReport:
     tissue_gave_way: int  # punctures below the needle's own force
     uncut: int  # cells that a blade has passed, or that should have torn, and that could not part
     torn: int  # cells
-    cut_later: int  # cells that blades have passed, left to the next calls (tick_budget)
+    cut_later: int  # cells that blades have passed and that wait for their cuts (tick_budget)
     message: str
 
 
@@ -83,7 +83,7 @@ class Simulation(Scene):
                  rest_tolerance: float = 1e-8, sleep_tolerance: Optional[float] = None, tick_budget: int = 0) -> None:
         """young: Pa, density: kg/m^3; left out, bodies keep their materials. damping: 1/s. step: largest one, as a
         multiple of the stable step; 0: it follows the deformation. threads: of the backend "cpu", 0: as many as the
-        body has work for. tick_budget: cells that each blade cuts at most in a call of advance(), 0: all."""
+        body has work for. tick_budget: cells that blades cut at most in a call of advance(), 0: all."""
         self._handle: Optional[Handle] = None
         options = sized("phymul_options", threads=threads, backend=backend, damping_rate=damping, step=step,
                          rest_tolerance=other_than_zero(rest_tolerance, "rest_tolerance"),

@@ -85,6 +85,7 @@ class Fluid:
     curve: Sequence[tuple[float, float]] = ()
     conductance: float = 0.0  # m^3/(Pa s), of an opening; 0: closed
     outlet_pressure: float = 0.0  # Pa, behind it
+    opens_into: Optional[str] = None  # name of another fluid that is behind it; None: it leads outside
 
     def _struct(self) -> tuple[Any, np.ndarray]:
         """And what it points to."""
@@ -97,7 +98,8 @@ class Fluid:
                 raise Error(f"Fluid.{name}: expected {least}, got {getattr(self, name)!r:.100}")
         return sized("phymul_fluid", law=constants[self.law.upper()], outer_pressure=self.outer_pressure,
                      exponent=self.exponent, curve=points.ctypes.data, curve_points=len(points),
-                     conductance=self.conductance, outlet_pressure=self.outlet_pressure), points
+                     conductance=self.conductance, outlet_pressure=self.outlet_pressure,
+                     opens_into=self.opens_into), points
 
 
 @dataclass(frozen=True)

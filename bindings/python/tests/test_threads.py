@@ -202,6 +202,23 @@ class Bodies(Refusals):
         self.refused(ErrorCode.UNKNOWN_NAME, "air", sim.fluid, "air")
         sim.constrain_volume().set_volume("volume 2", full)  # the second one
 
+    def test_a_fluid_flows_into_another_body(self):
+        left = phymul.make_block((0.03, 0.03, 0.03), 3, 3, 3)
+        sim = phymul.Simulation({"left": left, "right": left.moved((0.05, 0, 0))}, **SOFT, backend="reference")
+        triangles, full = sim.body.triangles, 2.7e-5
+        of_left = triangles[:, 0] < left.particles
+        sim.fix(np.ones(sim.body.particles, bool))
+        sim.add_fluid("right", triangles[~of_left], full, Fluid("gas"))
+        sim.add_fluid("left", triangles[of_left], 1.1 * full, Fluid("gas", conductance=1e-9, opens_into="right"))
+        sim.step(1, 1e-3)
+        flows = 1e-3 * 1e-9 * (sim.fluid("left").pressure - sim.fluid("right").pressure)
+        self.assertAlmostEqual(flows / 1.0132e-8, 1, delta=0.01)  # a tenth of 101325 Pa
+        self.assertAlmostEqual(1e9 * (sim.fluid("right").volume - full), 1e9 * flows)
+        sim.step(3000, 1e-3)
+        self.assertEqual(sim.fluid("left").volume + sim.fluid("right").volume, 1.1 * full + full)
+        self.assertAlmostEqual(sim.fluid("left").volume / sim.fluid("right").volume, 1, delta=1e-6)
+        self.refused(ErrorCode.UNKNOWN_NAME, '"there"', sim.set_fluid, "left", Fluid(opens_into="there"))
+
     def test_a_notched_strip_tears_and_a_cut_makes_two_parts(self):
         body = phymul.make_tetrahedral_block((0.04, 0.02, 0.005), 16, 8, 2)
         body.set_material(**SOFT)

@@ -9,6 +9,7 @@
 #include "base/compiler.h"
 #include "base/denormals.h"
 #include "elastic/domain_forces.h"
+#include "elastic/force_wall.h"
 
 namespace phymul::cpu {
 namespace {
@@ -56,19 +57,27 @@ ClusteredPasses::ClusteredPasses(const PackedBody& body, const simd::Kernels& ke
       kernels_(kernels),
       claims_(body, parts),
       near_u_(static_cast<std::size_t>(parts), Floats(4 * body.most_slots() + page, 0.0f)),
+      stiffening_(body.clusters.size() * static_cast<std::size_t>(kernels.lanes), 0.0f),
       rows_far_(body.bytes_a_step() > near_caches),
       far_(far) {}
 
-void ClusteredPasses::run(const char* u, char* force, char* pull, ThreadPool& pool, WorkLaps& laps, WorkLaps& no_laps) {
+void ClusteredPasses::run(const char* u, char* force, char* pull, bool last, ThreadPool& pool, WorkLaps& laps,
+                          WorkLaps& no_laps) {
   claims_.begin();
   pool.run([&](int part, int) {
     const DenormalsAreZero guard;
     for (int c = claims_.take(part); c >= 0; c = claims_.take(part)) {
       // Part 0 is the calling thread; the others write no times.
-      add_cluster(c, u, force, pull, bytes(near_u_[static_cast<std::size_t>(part)]), part == 0 ? laps : no_laps);
+      float* const stiffening = last ? stiffening_.data() + static_cast<std::ptrdiff_t>(c) * kernels_.lanes : nullptr;
+      add_cluster(c, u, force, pull, bytes(near_u_[static_cast<std::size_t>(part)]), stiffening,
+                  part == 0 ? laps : no_laps);
     }
   });
   laps.end(Work::waiting);
+}
+
+double ClusteredPasses::growth(const TopologyTextures& topology) const {
+  return has_walls_alone(topology) ? growth_of_walls(topology, std::ranges::max(stiffening_)) : HUGE_VAL;
 }
 
 void ClusteredPasses::add_to_particles(char* force, WorkLaps& laps) const {
@@ -79,7 +88,8 @@ void ClusteredPasses::add_to_particles(char* force, WorkLaps& laps) const {
   laps.end(Work::walls);
 }
 
-void ClusteredPasses::add_cluster(int c, const char* u, char* force, char* pull, char* near, WorkLaps& laps) const {
+void ClusteredPasses::add_cluster(int c, const char* u, char* force, char* pull, char* near, float* stiffening,
+                                  WorkLaps& laps) const {
   const Cluster& cluster = body_.clusters[static_cast<std::size_t>(c)];
   simd::Job job = cluster.job;
   if (pull) job.pull = pull + 16 * static_cast<std::size_t>(cluster.first);
@@ -87,6 +97,7 @@ void ClusteredPasses::add_cluster(int c, const char* u, char* force, char* pull,
     job.force = force + 16 * cluster.force_first;
     std::memset(job.force, 0, 16 * static_cast<std::size_t>(cluster.slots()));
   }
+  job.wall_stiffening = stiffening;
   job.rows_far = rows_far_;
   job.far = far_;
   job.u = near_displacements(cluster, u, half_a_page_from(job.force ? job.force : job.pull, near));

@@ -24,18 +24,22 @@ class ClusteredPasses {
   ClusteredPasses(const PackedBody& body, const simd::Kernels& kernels, int parts, bool far);
 
   /// `u`: [places] m; `force`: null where nothing pushes, or [PackedBody::force_rows] N, `pull`: null where particles
-  /// give no pull, or [places] N; both written. `laps`: of the calling thread; `no_laps`: those of the others.
-  void run(const char* u, char* force, char* pull, ThreadPool& pool, WorkLaps& laps, WorkLaps& no_laps);
+  /// give no pull, or [places] N; both written. `last`: of a call, after which growth() is asked. `laps`: of the
+  /// calling thread; `no_laps`: those of the others.
+  void run(const char* u, char* force, char* pull, bool last, ThreadPool& pool, WorkLaps& laps, WorkLaps& no_laps);
+  /// frequency_growth() of the last such run, infinite but for walls alone.
+  double growth(const TopologyTextures& topology) const;
   /// Of a body of Law::particle_averaged: adds what run() found to the forces of its particles.
   void add_to_particles(char* force, WorkLaps& laps) const;
 
  private:
-  void add_cluster(int c, const char* u, char* force, char* pull, char* near, WorkLaps& laps) const;
+  void add_cluster(int c, const char* u, char* force, char* pull, char* near, float* stiffening, WorkLaps& laps) const;
 
   const PackedBody& body_;
   const simd::Kernels& kernels_;
   ClusterClaims claims_;
   std::vector<Floats> near_u_;  // [parts] displacements of the cluster a part is at
+  Floats stiffening_;           // [clusters][lanes] simd::Job::wall_stiffening
   const bool rows_far_, far_;
 };
 

@@ -4,8 +4,8 @@
 #include <phymul/backend.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -170,11 +170,11 @@ class SimdSolver final : public SolverBackend {
     laps_.begin();
     if (!tools_.empty()) tools_.set().begin_call(scene(), plan.steps, plan.stop_at_rest);
     Motion motion = StepOrder::run(*this, plan);
-    if (averaged_) {
-      const bool rests = plan.stop_at_rest && steps_at_rest_ >= options().rest_steps;
-      motion.strain.growth = 0.0;
-      if (plan.steps > 0 && (rests || motion.steps == plan.steps)) motion.strain = averaged_->strain(topology());
-    }
+    const bool rests = plan.stop_at_rest && steps_at_rest_ >= options().rest_steps;
+    const bool at_end = plan.steps > 0 && (rests || motion.steps == plan.steps);
+    if (!at_end) motion.strain.growth = 0.0;
+    if (at_end && averaged_) motion.strain = averaged_->strain(topology());
+    if (at_end && !averaged_ && clustered_) motion.strain.growth = clustered_->growth(topology());
     return motion;
   }
 
@@ -207,7 +207,8 @@ class SimdSolver final : public SolverBackend {
                      last || plan.stop_at_rest || sleep_, pool_, laps_);
     }
     if (!clustered_) return;
-    clustered_->run(bytes(u_), bytes_or_null(force_), bytes_or_null(pull_), pool_, laps_, no_laps_);
+    clustered_->run(bytes(u_), bytes_or_null(force_), bytes_or_null(pull_), last || plan.stop_at_rest, pool_, laps_,
+                    no_laps_);
     if (averaged_) clustered_->add_to_particles(bytes(force_), laps_);
   }
 
@@ -332,11 +333,10 @@ class SimdSolver final : public SolverBackend {
     move.dt = static_cast<float>(plan.dt);
     move.inverse_dt = static_cast<float>(1.0 / plan.dt);
     move.damping = static_cast<float>(plan.damping_factor);
-    constexpr double largest = std::numeric_limits<float>::max();
-    move.runaway_squared = static_cast<float>(std::min(plan.runaway_speed * plan.runaway_speed, largest));
-    move.largest_acceleration = static_cast<float>(std::min(plan.largest_acceleration, largest));
-    move.largest_acceleration_squared =
-        static_cast<float>(std::min(plan.largest_acceleration * plan.largest_acceleration, largest));
+    const auto bounded = [](double x) { return static_cast<float>(std::min<double>(x, FLT_MAX)); };
+    move.runaway_squared = bounded(plan.runaway_speed * plan.runaway_speed);
+    move.largest_acceleration = bounded(plan.largest_acceleration);
+    move.largest_acceleration_squared = bounded(plan.largest_acceleration * plan.largest_acceleration);
     return move;
   }
 

@@ -74,6 +74,7 @@ struct Job {
   Slices bases, springs;
   Enumerated enumerated;
   Rows volumes, walls;
+  float* wall_stiffening = nullptr;  ///< [lanes] the largest of the rows (glsl/kernels/wall.glsl); null: not wanted
 };
 
 /// A link of a run: 32 bytes without a gap, by which equal ones are found.

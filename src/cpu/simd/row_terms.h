@@ -126,6 +126,7 @@ PHYMUL_INLINE void add_wall_row(const simd::Job& job, const WallRow& w) {
 inline void wall_rows(const simd::Job& job) {
   constexpr int most = 4;
   WallRow rows[most];
+  Pack stiffest = 0.0f;
   for (int first = 0; first < job.walls.count; first += most) {
     const int count = job.walls.count - first < most ? job.walls.count - first : most;
     for (int k = 0; k < count; ++k) take_wall_row(job, first + k, rows[k]);
@@ -133,8 +134,12 @@ inline void wall_rows(const simd::Job& job) {
       WallRow& w = rows[k];
       w.stress = Wall::wall_stress(w.now, w.T1, w.T2, w.H1, w.H2, w.column(52), w.column(53));
     }
+    for (int k = 0; job.wall_stiffening != nullptr && k < count; ++k) {
+      stiffest = larger(Wall::wall_stiffening(rows[k].now, rows[k].stress), stiffest);
+    }
     for (int k = 0; k < count; ++k) add_wall_row(job, rows[k]);
   }
+  if (job.wall_stiffening != nullptr) PHYMUL_COPY(job.wall_stiffening, &stiffest.v, sizeof stiffest.v);
 }
 
 }  // namespace phymul::cpu::PHYMUL_ISA

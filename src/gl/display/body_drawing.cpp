@@ -162,6 +162,9 @@ BodyDrawing::Eye BodyDrawing::eye_of(const Camera& camera, const DisplayOptions&
         ErrorCode::invalid_argument,
         "Display: expected Camera::far_plane behind near_plane, and with a view_angle both in front of the eye");
   }
+  if (!(options.surface_opacity >= 0.0 && options.surface_opacity <= 1.0)) {
+    throw Error(ErrorCode::invalid_argument, "Display: expected DisplayOptions::surface_opacity from 0 to 1");
+  }
 
   Eye eye;
   eye.parallel = parallel;

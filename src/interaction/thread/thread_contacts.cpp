@@ -187,11 +187,16 @@ bool ThreadContacts::rub(Touch& touch, const ThreadRod& rod) const {
   return changes;
 }
 
-/// What touches after the last iteration, and how. False: as before it.
-bool ThreadContacts::update(const ThreadRod& rod, std::span<const ThreadSupport> tools, const VecList& before) {
+/// What touches after the last iteration, and how. False: as before it. What pressed a node in the step before is a
+/// guess, unless it may have been another thread.
+bool ThreadContacts::update(const Lying& own, const ThreadCrossings& crossings) {
+  const ThreadRod& rod = *own.rod;
+  const std::span<const ThreadSupport> tools = own.tools;
+  const VecList& before = rod.state().touch;
   bool changes = false;
   before_.swap(touches_);
   touches_.clear();
+  if (before_.empty() && facing_.empty() && tools.empty()) return false;
   auto known = before_.begin();
   auto tissue = facing_.begin();
   for (Index i = 0; i <= rod.last(); ++i) {
@@ -214,7 +219,8 @@ bool ThreadContacts::update(const ThreadRod& rod, std::span<const ThreadSupport>
         }
         changes = rub(touch, rod) || changes;
       } else {
-        touch.press = before.empty() ? 0.0 : std::max(before[i].dot(touch.normal), 0.0);
+        const bool is_known_press = !before.empty() && !crossings.presses(own.strand, i);
+        touch.press = is_known_press ? std::max(before[i].dot(touch.normal), 0.0) : 0.0;
         const bool goes_on = touch.press > 0.0 && touch.need - touch.normal.dot(rod.way(i)) > -radius_;
         if (!inside && !goes_on) continue;
         touch.rubbing = touch.stiffness;
@@ -228,26 +234,32 @@ bool ThreadContacts::update(const ThreadRod& rod, std::span<const ThreadSupport>
 }
 
 /// The particles of tissue are split among the nodes that share them, so that together they do not push too far.
-void ThreadContacts::find_stiffness(TouchedParticles& touched) {
+void ThreadContacts::find_stiffness(std::span<const Lying> threads, TouchedParticles& touched) {
+  std::vector<double>& crowd = threads.front().contacts->crowd_;
   const auto each_share = [&](auto visit) {
-    for (Touch& touch : touches_) {
-      if (touch.tool < 0) each_particle(touch, [&](Index i, double share) { visit(touch, i, share); });
+    for (const Lying& thread : threads) {
+      for (Touch& touch : thread.contacts->touches_) {
+        if (touch.tool >= 0) continue;
+        thread.contacts->each_particle(touch, [&](Index i, double share) { visit(touch, i, share); });
+      }
     }
   };
   each_share([&](Touch& touch, Index i, double share) {
-    crowd_[i] += std::abs(share);
+    crowd[i] += std::abs(share);
     touch.stiffness = 0.0;
   });
   each_share([&](Touch& touch, Index i, double share) {
     const TouchedParticles::Touched& particle = touched[touched.slot(i)];
     if (particle.held) return;
     touch.stiffness +=
-        crowd_[i] * std::abs(share) * particle.inverse_mass * particle.free_part(touch.normal).squaredNorm();
+        crowd[i] * std::abs(share) * particle.inverse_mass * particle.free_part(touch.normal).squaredNorm();
   });
-  each_share([&](Touch&, Index i, double) { crowd_[i] = 0.0; });
+  each_share([&](Touch&, Index i, double) { crowd[i] = 0.0; });
   const double dt = touched.dt();
-  for (Touch& touch : touches_) {
-    if (touch.tool < 0) touch.stiffness = 1.0 / (dt * dt * touch.stiffness + 1.0 / stiffest_);
+  for (const Lying& thread : threads) {
+    for (Touch& touch : thread.contacts->touches_) {
+      if (touch.tool < 0) touch.stiffness = 1.0 / (dt * dt * touch.stiffness + 1.0 / thread.contacts->stiffest_);
+    }
   }
 }
 
@@ -263,34 +275,44 @@ void ThreadContacts::find_pushes() {
   }
 }
 
-void ThreadContacts::solve(ThreadRod& rod, std::span<const ThreadSupport> tools, Index first, Index last,
-                           TouchedParticles& touched) {
-  rod.start_newton();
-  find_facing(rod, first, last, touched);
-  touches_.clear();
-  for (int round = 0; round < most_rounds; ++round) {
-    if (!update(rod, tools, rod.state().touch) && round > 0 && rod.has_settled()) break;
-    find_stiffness(touched);
-    find_pushes();
-    rod.iterate(pushes_);
+void ThreadContacts::solve(std::span<const Lying> threads, ThreadCrossings& crossings, TouchedParticles& touched) {
+  for (const auto& [rod, own, strand, tools, first, last] : threads) {
+    rod->start_newton();
+    own->find_facing(*rod, first, last, touched);
+    own->touches_.clear();
   }
-  if (touches_.empty()) return;
-  VecList forces(static_cast<std::size_t>(rod.last()) + 1, Vec3::Zero());
-  for (std::size_t k = 0; k < pushes_.size(); ++k) {
+  const auto has_settled = [](const Lying& thread) { return thread.rod->has_settled(); };
+  for (int round = 0; round < most_rounds; ++round) {
+    bool changes = crossings.update();
+    for (const Lying& thread : threads) changes = thread.contacts->update(thread, crossings) || changes;
+    if (!changes && round > 0 && std::ranges::all_of(threads, has_settled)) break;
+    find_stiffness(threads, touched);
+    for (const Lying& thread : threads) {
+      thread.contacts->find_pushes();
+      thread.rod->iterate(thread.contacts->pushes_);
+    }
+    crossings.couple();
+  }
+  crossings.give_forces();
+  for (const Lying& thread : threads) thread.contacts->give_forces(thread, touched);
+}
+
+void ThreadContacts::give_forces(const Lying& own, TouchedParticles& touched) const {
+  ThreadRod& rod = *own.rod;
+  for (std::size_t k = 0; k < touches_.size(); ++k) {
     const Touch& touch = touches_[k];
     const Vec3 force = pushes_[k].at(rod.way(touch.node));
-    forces[touch.node] += force;
+    rod.touch(touch.node, force);
     if (touch.tool < 0) {
       each_particle(touch, [&](Index i, double share) {
         TouchedParticles::pull(touched[touched.slot(i)], -touched.dt() * share * force);
       });
       continue;
     }
-    const ThreadSupport& tool = tools[touch.tool];
+    const ThreadSupport& tool = own.tools[touch.tool];
     tool.force->force -= force;
     tool.force->torque -= (rod.place(touch.node) - tool.end.position).cross(force);
   }
-  rod.touch(std::move(forces));
 }
 
 }  // namespace phymul

@@ -5,7 +5,8 @@
 // sliding, up to Coulomb's limit. Under a tool k is far above that of the thread's segments. Tissue that is pushed with
 // a force f over dt goes dt^2 W f farther, so that 1 / (dt^2 W) is its k, without iterating between both: W is that of
 // the particles, each split among the nodes that share it (surface_press.h). Which nodes touch, and which slide, is
-// found in rounds, each with an iteration of Newton's method of the rod.
+// found in rounds, each with an iteration of Newton's method of the rod. Threads that touch each other
+// (thread_crossings.h) go through the rounds together.
 #pragma once
 
 #include <cmath>
@@ -19,6 +20,7 @@
 #include "interaction/contact_tool.h"
 #include "interaction/predicted_step.h"
 #include "interaction/tool_frame.h"
+#include "thread_crossings.h"
 #include "thread_rod.h"
 
 namespace phymul {
@@ -37,9 +39,20 @@ class ThreadContacts {
   ThreadContacts(const Thread& thread, std::shared_ptr<const ContactSurface> surface, std::size_t particles);
   void forget() { gone_ = NAN; }  ///< places changed otherwise than step by step
 
-  /// What ThreadRod::solve() does for a thread that touches nothing. Tissue does not touch nodes before `first` and
-  /// after `last`.
-  void solve(ThreadRod& rod, std::span<const ThreadSupport> tools, Index first, Index last, TouchedParticles& touched);
+  /// A thread in a step that it has begun. Tissue does not touch nodes before `first` and after `last`.
+  struct Lying {
+    ThreadRod* rod = nullptr;
+    ThreadContacts* contacts = nullptr;
+    std::size_t strand = 0;  ///< of ThreadCrossings
+    std::vector<ThreadSupport> tools{};
+    Index first = 0, last = 0;
+  };
+  /// What ThreadRod::solve() does for a thread that touches nothing, for all threads of a group of `crossings`.
+  static void solve(std::span<const Lying> threads, ThreadCrossings& crossings, TouchedParticles& touched);
+
+  ThreadCrossings::Strand strand(ThreadRod& rod) const {
+    return {.rod = &rod, .radius = radius_, .friction = friction_, .stiffest = stiffest_};
+  }
 
  private:
   struct Touch {
@@ -74,8 +87,9 @@ class ThreadContacts {
   void find_facing(const ThreadRod& rod, Index first, Index last, const TouchedParticles& touched);
   bool measure(Touch& touch, const ThreadSupport& tool, const ThreadRod& rod) const;
   bool rub(Touch& touch, const ThreadRod& rod) const;
-  bool update(const ThreadRod& rod, std::span<const ThreadSupport> tools, const VecList& before);
-  void find_stiffness(TouchedParticles& touched);
+  bool update(const Lying& own, const ThreadCrossings& crossings);
+  static void find_stiffness(std::span<const Lying> threads, TouchedParticles& touched);
+  void give_forces(const Lying& own, TouchedParticles& touched) const;
   void find_pushes();
 
   double radius_, segment_, friction_, stiffest_;  // m, m, Coulomb's, N/m

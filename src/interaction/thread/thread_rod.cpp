@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thread_rod.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -37,8 +38,11 @@ ThreadRod::ThreadRod(const SceneThread& thread)
   along_.resize(n - 1);
   given_.resize(n);
   tension_.resize(n - 1);
-  matrix_.resize(4 * n * row);
+  matrix_.resize((4 * n + band) * row);  // rows of zeros for respond()
   value_.resize(4 * n);
+  if (!thread.thread.touches) return;
+  for (VecList* list : {&state_.touch, &touch_}) list->reserve(n);
+  response_.resize(4 * n);
 }
 
 void ThreadRod::begin(double dt, const Vec3& gravity) {
@@ -220,6 +224,79 @@ void ThreadRod::iterate(std::span<const Push> pushes) {
   for (std::size_t k = 0; k < tension_.size(); ++k) {
     if (state_.broken[k]) tension_[k] = 0.0;
   }
+}
+
+void ThreadRod::touch(Index node, const Vec3& force) {
+  if (touch_.empty()) touch_.assign(place_.size(), Vec3::Zero());
+  touch_[node] += force;
+}
+
+void ThreadRod::clear_response() {
+  low_ = value_.size();
+  response_.assign(value_.size(), 0.0);
+}
+
+void ThreadRod::push(const Point& point, const Vec3& force) {
+  low_ = std::min(low_, 4 * static_cast<std::size_t>(point.segment));
+  for (const std::size_t end : {0, 1}) {
+    const std::size_t node = static_cast<std::size_t>(point.segment) + end;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if ((given_[node] >> a & 1) == 0) response_[4 * node + a] += point.weight(end) * force[a];
+    }
+  }
+}
+
+/// The last values are kept apart and subtracted in their order, so that a row need wait for one of them only.
+void ThreadRod::respond() {
+  const std::size_t n = value_.size();
+  std::array<double, band> last{};
+  const auto keep = [&](double& value, double sum) {
+    for (std::size_t i = 1; i < band; ++i) last[i - 1] = last[i];
+    last[band - 1] = value = sum;
+  };
+  for (std::size_t j = low_; j < n; ++j) {
+    const double* const own = &matrix_[j * row];
+    double sum = response_[j];
+    for (std::size_t i = 0; i < band; ++i) sum -= own[i] * last[i];
+    keep(response_[j], sum);
+  }
+  last.fill(0.0);
+  for (std::size_t j = n; j-- > 0;) {
+    const double* const pivot = &matrix_[j * row + band];
+    double sum = response_[j] / *pivot;
+    for (std::size_t i = 0; i < band; ++i) sum -= pivot[(band - i) * band] * last[i];
+    keep(response_[j], sum);
+  }
+}
+
+Vec3 ThreadRod::response(const Point& point) const {
+  const double* const at = &response_[4 * static_cast<std::size_t>(point.segment)];
+  return point.weight(0) * Vec3(at[0], at[1], at[2]) + point.weight(1) * Vec3(at[4], at[5], at[6]);
+}
+
+void ThreadRod::add_response() {
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    for (std::size_t a = 0; a < 3; ++a) way_[i][a] += response_[4 * i + a];
+    if (i + 1 < place_.size() && !state_.broken[i]) tension_[i] += response_[4 * i + 3];
+  }
+}
+
+/// Of the node with what is before it: of a longer thread with both sides it is less, everywhere by about as much.
+Mat3 ThreadRod::answer(const Point& point) const {
+  Mat3 answer = Mat3::Zero();
+  for (const std::size_t end : {0, 1}) {
+    const std::size_t node = static_cast<std::size_t>(point.segment) + end;
+    Mat3 lower = Mat3::Identity();
+    Vec3 inverse = Vec3::Zero();
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double* const own = &matrix_[(4 * node + a) * row + band];
+      if ((given_[node] >> a & 1) == 0) inverse[a] = 1.0 / own[0];
+      for (std::size_t b = 0; b < a; ++b) lower(a, b) = *(own - (a - b));
+    }
+    const Mat3 back = lower.inverse();
+    answer += point.weight(end) * point.weight(end) * back.transpose() * inverse.asDiagonal() * back;
+  }
+  return answer;
 }
 
 bool ThreadRod::has_settled() const {

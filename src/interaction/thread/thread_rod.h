@@ -44,11 +44,30 @@ class ThreadRod {
   /// The parts of solve(); iterate() improves on the ways that are there.
   void start_newton();
   void iterate(std::span<const Push> pushes = {});
-  void touch(VecList forces) { touch_ = std::move(forces); }  ///< N [N], or empty: ThreadState::touch of the step
+  /// A place on a segment: a share of the way from its first node to its last.
+  struct Point {
+    Index segment = 0;
+    double share = 0.0;
+    double weight(std::size_t end) const { return end == 0 ? 1.0 - share : share; }  ///< of the node at an end
+  };
+  /// Forces that the last iterate() left out: clear_response(), push() for each, respond(). Then response() has what
+  /// they change in the way of a point, m, and add_response() adds it.
+  void clear_response();
+  void push(const Point& point, const Vec3& force);  ///< N
+  void respond();
+  Vec3 response(const Point& point) const;
+  void add_response();
+  Mat3 answer(const Point& point) const;      ///< m/N, about: of the way of a point to a force on it
+  void touch(Index node, const Vec3& force);  ///< N, besides: of ThreadState::touch
 
-  Vec3 way(Index node) const { return way_[node]; }             ///< m, of the last iteration
+  Vec3 way(Index node) const { return way_[node]; }  ///< m, of the last iteration
+  Vec3 way(const Point& point) const {
+    return point.weight(0) * way_[point.segment] + point.weight(1) * way_[point.segment + 1];
+  }
   const Vec3& place(Index node) const { return place_[node]; }  ///< m, at the step's start
   bool has_settled() const;                                     ///< segments are as long as their tensions say
+  bool is_broken(Index segment) const { return state_.broken[segment] != 0; }
+  double segment() const { return segment_; }  ///< m
   bool is_given(Index node) const { return given_[node] != 0; }
   /// N, of the thread on what holds a tip, by tension and bending after solve().
   Vec3 force_at(ThreadTip tip) const;
@@ -80,6 +99,8 @@ class ThreadRod {
   VecList touch_;                                            // N, ThreadState::touch
   VecList along_;                                            // [N - 1] unit vectors
   std::vector<double> matrix_, value_;  // [4 N][row], [4 N]: x, y, z of a node, then the tension after it
+  std::vector<double> response_;        // [4 N], likewise
+  std::size_t low_ = 0;                 // first row with a force of push()
 };
 
 }  // namespace phymul

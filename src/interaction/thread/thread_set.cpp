@@ -131,63 +131,138 @@ ThreadSet::Tip ThreadSet::tip_of(const ThreadEnd& end, const Vec3* at, TouchedPa
   return tip;
 }
 
-void ThreadSet::act(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
-                    std::span<const ThreadSupport> supports) const {
+/// `together`: rows of the threads that are solved with it.
+ThreadSet::Begun ThreadSet::begun(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
+                                  std::span<const std::size_t> together) const {
   ThreadRod& rod = std::get<ThreadRod>(thread.body);
   const ThreadControl& control = thread.control;
-  const double dt = touched.dt();
-  std::array<Tip, 2> tips;
-  std::array<bool, 2> joined{};  // not to a needle that was let go
-  std::array<Vec3, 2> mobility;
-  rod.begin(dt, gravity_);
+  Begun now{.thread = &thread};
+  rod.begin(touched.dt(), gravity_);
   const std::array ends{Index{0}, rod.last()};
   for (const std::size_t t : {0, 1}) {
     const ThreadEnd& end = control.ends[t];
-    if (end.hold == TipHold::anchored) tips[t] = tip_of(end, &rod.state().position[ends[t]], touched, find_tool);
-    joined[t] = end.hold == TipHold::anchored && !tips[t].tool.is_free;
-    if (!joined[t]) {
+    Tip& tip = now.tips[t];
+    if (end.hold == TipHold::anchored) tip = tip_of(end, &rod.state().position[ends[t]], touched, find_tool);
+    now.joined[t] = end.hold == TipHold::anchored && !tip.tool.is_free;
+    if (!now.joined[t]) {
       rod.load(ends[t], end.force);
       continue;
     }
-    if (!tips[t].in_body) {
-      rod.give(ends[t], tips[t].way);
+    if (!tip.in_body) {
+      rod.give(ends[t], tip.way);
       continue;
     }
-    // What both tips share moves both: by no less than this, so that neither is pushed too far.
-    mobility[t] = mobility_between(touched, end.anchor, end.anchor);
-    mobility[t] += mobility_between(touched, end.anchor, control.ends[1 - t].anchor).cwiseAbs();
-    rod.attach(ends[t], tips[t].place, tips[t].way, mobility[t]);
+    // What several tips share moves all of them: by no less than this, so that none is pushed too far.
+    now.mobility[t] = mobility_between(touched, end.anchor, end.anchor);
+    now.mobility[t] += mobility_between(touched, end.anchor, control.ends[1 - t].anchor).cwiseAbs();
+    for (const std::size_t row : together) {
+      if (&threads_[row] == &thread) continue;
+      for (const ThreadEnd& other : threads_[row].control.ends) {
+        now.mobility[t] += mobility_between(touched, end.anchor, other.anchor).cwiseAbs();
+      }
+    }
+    rod.attach(ends[t], tip.place, tip.way, now.mobility[t]);
   }
   for (const HeldNode& held : control.held) {
     rod.give(held.node, (held.position - rod.state().position[held.node]) / steps_left_);
   }
-  if (thread.contacts) {
-    std::vector<ThreadSupport> others;
-    for (const ThreadSupport& support : supports) {
-      const auto is_own = [&](std::size_t t) { return joined[t] && control.ends[t].anchor.tool == support.tool; };
-      if (!is_own(0) && !is_own(1)) others.push_back(support);
-    }
-    const auto spared = [&](std::size_t t) { return joined[t] && tips[t].in_body ? nodes_in_tissue : 0; };
-    thread.contacts->solve(rod, others, spared(0), rod.last() - spared(1), touched);
-  } else {
-    rod.solve();
+  return now;
+}
+
+void ThreadSet::lie(const Begun& begun, std::span<const ThreadSupport> supports, ThreadContacts::Lying& lying) {
+  Moving& thread = *begun.thread;
+  ThreadRod& rod = std::get<ThreadRod>(thread.body);
+  const auto spared = [&](std::size_t t) { return begun.joined[t] && begun.tips[t].in_body ? nodes_in_tissue : 0; };
+  lying.rod = &rod;
+  lying.contacts = &*thread.contacts;
+  lying.first = spared(0);
+  lying.last = rod.last() - spared(1);
+  lying.tools.clear();
+  for (const ThreadSupport& support : supports) {
+    const auto is_own = [&](std::size_t t) {
+      return begun.joined[t] && thread.control.ends[t].anchor.tool == support.tool;
+    };
+    if (!is_own(0) && !is_own(1)) lying.tools.push_back(support);
   }
+}
+
+void ThreadSet::finish(const Begun& begun, TouchedParticles& touched) {
+  ThreadRod& rod = std::get<ThreadRod>(begun.thread->body);
+  const double dt = touched.dt();
   for (const std::size_t t : {0, 1}) {
     const ThreadTip tip = t == 0 ? ThreadTip::first : ThreadTip::last;
-    const Anchor& anchor = control.ends[t].anchor;
-    if (!joined[t]) continue;
+    const Anchor& anchor = begun.thread->control.ends[t].anchor;
+    if (!begun.joined[t]) continue;
     Vec3 force = rod.force_at(tip);
-    if (tips[t].in_body) {
+    if (begun.tips[t].in_body) {
+      const Vec3 way = rod.way(t == 0 ? 0 : rod.last());
       for (int a = 0; a < 3; ++a) {
-        if (mobility[t][a] > 0.0) force[a] = (rod.way(ends[t])[a] - tips[t].way[a]) / (dt * dt * mobility[t][a]);
+        const double mobility = begun.mobility[t][a];
+        if (mobility > 0.0) force[a] = (way[a] - begun.tips[t].way[a]) / (dt * dt * mobility);
       }
       for (std::size_t k = 0; k < anchor.particles.size(); ++k) {
         TouchedParticles::pull(touched[touched.slot(anchor.particles[k])], dt * anchor.weights[k] * force);
       }
-    } else if (tips[t].tool.force != nullptr) {
-      pull(tips[t].tool, tips[t].place, force);
+    } else if (begun.tips[t].tool.force != nullptr) {
+      pull(begun.tips[t].tool, begun.tips[t].place, force);
     }
     rod.report(tip, force);
+  }
+}
+
+void ThreadSet::find_crossings(TouchedParticles& touched, const FindTool& find_tool) {
+  const double dt = touched.dt();
+  crossings_.start(dt);
+  strands_.clear();
+  for (std::size_t row = 0; row < threads_.size(); ++row) {
+    Moving& thread = threads_[row];
+    if (!thread.contacts) continue;
+    ThreadRod& rod = std::get<ThreadRod>(thread.body);
+    const VecList& position = rod.state().position;
+    strands_.push_back(row);
+    crossings_.add(thread.contacts->strand(rod), dt * dt * gravity_.norm());
+    for (const std::size_t t : {0, 1}) {
+      const ThreadEnd& end = thread.control.ends[t];
+      if (end.hold != TipHold::anchored || !end.anchor.particles.empty()) continue;
+      const Index node = t == 0 ? 0 : rod.last();
+      crossings_.give(node, tip_of(end, &position[node], touched, find_tool).way);
+    }
+    for (const HeldNode& held : thread.control.held) {
+      crossings_.give(held.node, (held.position - position[held.node]) / steps_left_);
+    }
+  }
+  crossings_.find();
+}
+
+/// Free threads in order, with what may touch the first one in the step.
+void ThreadSet::act_free(TouchedParticles& touched, const FindTool& find_tool,
+                         std::span<const ThreadSupport> supports) {
+  find_crossings(touched, find_tool);
+  for (std::size_t row = 0, strand = 0; row < threads_.size(); ++row) {
+    if (!std::holds_alternative<ThreadRod>(threads_[row].body)) continue;
+    begun_.clear();
+    if (!threads_[row].contacts) {
+      rows_.assign(1, row);
+      begun_.push_back(begun(threads_[row], touched, find_tool, rows_));
+      std::get<ThreadRod>(threads_[row].body).solve();
+    } else {
+      const std::size_t first = strand++;
+      if (crossings_.first_of(first) != first) continue;
+      rows_.clear();
+      for (std::size_t s = first; s < strands_.size(); ++s) {
+        if (crossings_.first_of(s) != first) continue;
+        if (rows_.size() == lying_.size()) lying_.emplace_back();
+        lying_[rows_.size()].strand = s;
+        rows_.push_back(strands_[s]);
+      }
+      for (std::size_t k = 0; k < rows_.size(); ++k) {
+        begun_.push_back(begun(threads_[rows_[k]], touched, find_tool, rows_));
+        lie(begun_.back(), supports, lying_[k]);
+      }
+      crossings_.begin(first);
+      ThreadContacts::solve(std::span(lying_).first(rows_.size()), crossings_, touched);
+    }
+    for (const Begun& begun : begun_) finish(begun, touched);
   }
 }
 
@@ -248,9 +323,7 @@ void ThreadSet::find_together() {
 }
 
 void ThreadSet::act(TouchedParticles& touched, const FindTool& find_tool, std::span<const ThreadSupport> supports) {
-  for (Moving& thread : threads_) {
-    if (std::holds_alternative<ThreadRod>(thread.body)) act(thread, touched, find_tool, supports);
-  }
+  act_free(touched, find_tool, supports);
   for (Together& together : sewn_) act(together, touched, find_tool);
 }
 

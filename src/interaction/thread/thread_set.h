@@ -18,6 +18,7 @@
 
 #include "interaction/predicted_step.h"
 #include "thread_contacts.h"
+#include "thread_crossings.h"
 #include "thread_path.h"
 #include "thread_rod.h"
 
@@ -72,8 +73,19 @@ class ThreadSet {
   static Moving made(const SceneThread& thread);
   static void look(Moving& thread, const SceneThread& wanted, std::span<const double> mass);
   Tip tip_of(const ThreadEnd& end, const Vec3* at, TouchedParticles& touched, const FindTool& find_tool) const;
-  void act(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
-           std::span<const ThreadSupport> supports) const;
+  /// A free thread in the step.
+  struct Begun {
+    Moving* thread = nullptr;
+    std::array<Tip, 2> tips{};
+    std::array<bool, 2> joined{};  // not to a needle that was let go
+    std::array<Vec3, 2> mobility{Vec3(0, 0, 0), Vec3(0, 0, 0)};
+  };
+  Begun begun(Moving& thread, TouchedParticles& touched, const FindTool& find_tool,
+              std::span<const std::size_t> together) const;
+  static void lie(const Begun& begun, std::span<const ThreadSupport> supports, ThreadContacts::Lying& lying);
+  static void finish(const Begun& begun, TouchedParticles& touched);
+  void find_crossings(TouchedParticles& touched, const FindTool& find_tool);
+  void act_free(TouchedParticles& touched, const FindTool& find_tool, std::span<const ThreadSupport> supports);
   /// Sewn threads that share particles, or one alone.
   struct Together {
     std::vector<std::size_t> rows;
@@ -83,6 +95,11 @@ class ThreadSet {
   void find_together();
 
   std::vector<Moving> threads_;
+  ThreadCrossings crossings_;
+  // Of the step: rows of the free threads that touch; of those that go through it together, rows and what they lie on.
+  std::vector<std::size_t> strands_, rows_;
+  std::vector<Begun> begun_;
+  std::vector<ThreadContacts::Lying> lying_;  // as many as there ever were together, for their memory
   std::vector<Together> sewn_;
   std::vector<std::array<Tip, 2>> tips_;  // of the step
   Vec3 gravity_{0, 0, 0};                 // m/s^2
