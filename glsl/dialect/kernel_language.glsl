@@ -47,8 +47,12 @@ float inverse_cube_root(float a) {
   return x;
 }
 
-// 1 / sqrt(a) - 1 for a > 0 and y = a - 1, which is known better than by subtraction. A driver may multiply by an inverse
-// where the text divides: so the text does.
+// A driver may multiply by an inverse where the text divides: so the text does, here and below.
+float quotient(float a, float b) {
+  return a * (1.0 / b);
+}
+
+// 1 / sqrt(a) - 1 for a > 0 and y = a - 1, which is known better than by subtraction.
 float inverse_root_change(float a, float y) {
   float root = sqrt(a);
   return -y * (1.0 / (root * (1.0 + root)));

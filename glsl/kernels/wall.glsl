@@ -57,7 +57,7 @@ KERNEL real wall_swelling(real trace, real less, real c) {
   real f = one + less;
   real cf = c * f;
   real start = c * (less - trace);
-  real w = -(start / (three + literal(6.0f) * cf - four * start));
+  real w = -quotient(start, three + literal(6.0f) * cf - four * start);
   for (int k = 0; k < 3; ++k) {
     real y = one + w;
     real square = y * y;
@@ -65,7 +65,7 @@ KERNEL real wall_swelling(real trace, real less, real c) {
     real e = w * (three + w * (three + w));
     real R = (square * cube) * e + (cf * (e * (two + e)) + start);
     real slope = (square * cube) * ((three * cube + literal(5.0f) * e) + (literal(6.0f) * cf) * y);
-    w = w - (R * y) / (slope - four * R);
+    w = w - quotient(R * y, slope - four * R);
   }
   return w;
 }
@@ -91,7 +91,7 @@ KERNEL WallStress wall_stress(WallFrame now, real3 T1, real3 T2, real3 H1, real3
   real z = (J * J) * area.fall;
   real near_rest = ((now.q - e) * (two + now.q + e)) * area.fall;
   real rest = select(now.square > literal(0.1296f), near_rest, one - z);
-  real scale = shear / ((one + w) * (one + w));
+  real scale = quotient(shear, (one + w) * (one + w));
   return WallStress(scale * (rest - two * (z * E22)), scale * (rest - two * (z * E11)), scale * (z * C12), w);
 }
 

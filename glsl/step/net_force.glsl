@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Everything that pulls at one particle, in a fixed order: its own attractor or bases, what reactions give back,
-// volumes, domains, springs, loads, joints. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is defined;
-// spring.glsl where SPRINGS is; integrate.glsl where CUT is.
+// volumes, domains, springs, walls, loads, joints. Needs tables.glsl, terms_of.glsl; force_of.glsl where ATTRACTORS is
+// defined; spring.glsl where SPRINGS is; integrate.glsl where CUT is.
 
 #ifdef CUT
 uniform float largest_acceleration;  // m/s^2: elastic force over mass is cut to it
@@ -53,6 +53,13 @@ vec3 elastic_force(int i) {
     int other = fetch_int(entries, entries_place, spring_start + row);
     vec4 pull = fetch_vec4(spring, spring_place, row);
     F = F + spring_force(pull.xyz, displaced(other) - u_i, pull.w);
+  }
+#endif
+#ifdef WALLS
+  ivec2 walls = wall_rows(i);
+  for (int row = walls.x; row < walls.y; row += ROW_STRIDE) {
+    int entry = fetch_int(entries, entries_place, wall_start + row);
+    F = F + wall_term(entry >> 3, entry & 7);
   }
 #endif
   return F;

@@ -12,7 +12,7 @@ TABLE_FLOATS(base_e1, base_e1_place);            // X_b - X_a, lambda_b
 TABLE_FLOATS(base_e2, base_e2_place);            // X_c - X_a, lambda_c
 TABLE_INTS(base_share, base_share_place);        // owner, bits of k_i w_t (conservative) or of w_t (the others)
 TABLE_INTS(share, share_place);                  // owner j, bits of the share of -F_j
-TABLE_INTS(entries, entries_place);              // reaction, volume entries, spring ends, one after another
+TABLE_INTS(entries, entries_place);              // reaction, volume, spring ends, wall entries, one after another
 TABLE_INTS(volume, volume_place);                // a, b, c, d
 TABLE_FLOATS(volume_e1, volume_e1_place);        // X_b - X_a, 1 / (6 V) (2-D: 1 / (2 A))
 TABLE_FLOATS(volume_e2, volume_e2_place);        // X_c - X_a, stiffness
@@ -23,7 +23,9 @@ TABLE_FLOATS(domain_law, domain_law_place);      // LAW_TEXELS a domain: 1/V, s 
 TABLE_INTS(domain_owner, domain_owner_place);    // particle; only with SEVERAL_DOMAINS
 TABLE_INTS(link_domain, link_domain_place);      // e
 TABLE_FLOATS(link, link_place);                  // area, stiffness
-uniform int volume_start, spring_start;  // first rows of their entries
+TABLE_INTS(wall, wall_place);                    // two a triangle: vertices 0 to 3; 4, 5
+TABLE_FLOATS(wall_law, wall_law_place);          // WALL_TEXELS a triangle: src/device/float_walls.h
+uniform int volume_start, spring_start, wall_start;  // first rows of their entries
 
 CHANGING(displacement, displacement_place);      // u_i = x_i - X_i, m
 CHANGING(velocity, velocity_place);              // m/s
@@ -31,6 +33,7 @@ STORED(measured, measured_place);              // what step_pass.glsl tells
 STORED(force, force_place);                    // F_i, N
 STORED_LAYERS(base_terms, base_terms_place);   // forces on a, b, c, owner
 STORED_LAYERS(volume_terms, volume_terms_place);  // forces on a, b, c, d
+STORED_LAYERS(wall_terms, wall_terms_place);   // walls_pass.glsl
 STORED_LAYERS(strains, strains_place);         // that domains keep: kept_strains.glsl; only with DISSIPATES
 STORED(dissipation, dissipation_place);        // two texels a domain: 2 mu T, lambda T, 2 mu b, lambda b; share that decays
 STORED_LAYERS(domain_terms, domain_terms_place);  // columns of the stress; w: the force of the spread
@@ -51,6 +54,7 @@ TABLE_INTS(base_ranges, base_ranges_place);  // of `height` where ENUMERATED
 TABLE_INTS(reaction_ranges, reaction_ranges_place);
 TABLE_INTS(volume_ranges, volume_ranges_place);
 TABLE_INTS(spring_ranges, spring_ranges_place);
+TABLE_INTS(wall_ranges, wall_ranges_place);
 
 ivec2 neighbour_rows(int i) {
   return fetch_ivec2(neighbour_ranges, neighbour_ranges_place, i);
@@ -70,9 +74,12 @@ ivec2 volume_rows(int i) {
 ivec2 spring_rows(int i) {
   return fetch_ivec2(spring_ranges, spring_ranges_place, i);
 }
+ivec2 wall_rows(int i) {
+  return fetch_ivec2(wall_ranges, wall_ranges_place, i);
+}
 #else
 TABLE_INTS(index, index_place);  // Nc, X, Bc, X'
-TABLE_INTS(lists, lists_place);  // first rows of: reaction or share, volume entries, springs
+TABLE_INTS(lists, lists_place);  // first rows of: reaction or share, volume entries, springs, wall entries
 TABLE_INTS(first_height, first_height_place);
 
 ivec2 neighbour_rows(int i) {
@@ -94,6 +101,9 @@ ivec2 volume_rows(int i) {
 }
 ivec2 spring_rows(int i) {
   return ivec2(fetch_ivec4(lists, lists_place, i).z, fetch_ivec4(lists, lists_place, i + 1).z);
+}
+ivec2 wall_rows(int i) {
+  return ivec2(fetch_ivec4(lists, lists_place, i).w, fetch_ivec4(lists, lists_place, i + 1).w);
 }
 #endif
 

@@ -6,8 +6,8 @@
 layout(local_size_x = GROUP) in;
 
 uniform int pair;
-uniform int attractor_groups, base_groups, volume_groups;  // the rest are of domains
-uniform int base_rows_count, volume_count, domain_count;
+uniform int attractor_groups, base_groups, volume_groups, wall_groups;  // the rest are of domains
+uniform int base_rows_count, volume_count, wall_count, domain_count;
 
 #ifdef ATTRACTOR_ROWS
 void store_attractor(int i) {
@@ -40,6 +40,18 @@ void store_volume(int row) {
   changing_rows[at + 1] = floatBitsToInt(volume_on_b);
   changing_rows[at + 2] = floatBitsToInt(volume_on_c);
   changing_rows[at + 3] = floatBitsToInt(volume_on_d);
+}
+#endif
+
+#ifdef WALL_ROWS
+void store_wall(int row) {
+  if (row >= wall_count) return;
+  wall_row(row);
+  int at = wall_terms_place + 4 * row;
+  changing_rows[at] = floatBitsToInt(wall_on_1);
+  changing_rows[at + 1] = floatBitsToInt(wall_on_2);
+  changing_rows[at + 2] = floatBitsToInt(wall_on_3);
+  changing_rows[at + 3] = floatBitsToInt(wall_on_4);
 }
 #endif
 
@@ -95,6 +107,13 @@ void main() {
     return;
   }
   row -= volume_groups * GROUP;
+#endif
+#ifdef WALL_ROWS
+  if (row < wall_groups * GROUP) {
+    store_wall(row);
+    return;
+  }
+  row -= wall_groups * GROUP;
 #endif
 #ifdef DOMAIN_ROWS
   store_domain(row);

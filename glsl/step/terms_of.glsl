@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What bases, volumes and domains give, as their passes wrote it. Needs tables.glsl.
+// What bases, volumes, walls and domains give, as their passes wrote it. Needs tables.glsl.
 
 #ifdef BASE_TERMS
 // Force on corner a, b, c or owner (0 to 3) of base t.
@@ -12,6 +12,22 @@ vec3 base_term(int t, int corner) {
 #ifdef VOLUMES
 vec3 volume_term(int row, int corner) {
   return fetch_layer(volume_terms, volume_terms_place, row, corner).xyz;
+}
+#endif
+
+#ifdef WALLS
+// Force on vertex 0 to 5 of a triangle's patch, from what walls_pass.glsl packed; that on vertex 0 balances the others.
+vec3 wall_term(int row, int vertex) {
+  if (vertex >= 1 && vertex <= 4) return fetch_layer(wall_terms, wall_terms_place, row, vertex - 1).xyz;
+  vec4 t1 = fetch_layer(wall_terms, wall_terms_place, row, 0);
+  vec4 t2 = fetch_layer(wall_terms, wall_terms_place, row, 1);
+  vec4 t3 = fetch_layer(wall_terms, wall_terms_place, row, 2);
+  vec3 on_5 = vec3(t1.w, t2.w, t3.w);
+  if (vertex == 5) return on_5;
+  vec3 sum = t1.xyz + t2.xyz;  // in one expression Mesa would add pairs
+  sum = sum + t3.xyz;
+  sum = sum + fetch_layer(wall_terms, wall_terms_place, row, 3).xyz;
+  return -(sum + on_5);
 }
 #endif
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of src/interaction/contact_tool.h. Needs distance_to_shape.glsl.
+// Twin of src/interaction/contact_tool.h. Needs kernel_language.glsl and distance_to_shape.glsl.
 
 struct ContactLaw {
   float friction, compliance;
@@ -16,11 +16,6 @@ struct Depth {
   float depth;
   vec3 normal;
 };
-
-// As drivers divide, written out.
-float quotient(float a, float b) {
-  return a * (1.0 / b);
-}
 
 bool first_hit(ShapeIn shape, vec3 q0, vec3 way, float far, out float share) {
   share = 0.0;

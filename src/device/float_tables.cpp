@@ -156,15 +156,15 @@ void pack_lists(const TopologyTextures& from, FloatTables& to) {
   const auto row = [](const RaggedList& list, Index i) { return list.entry.empty() ? 0 : list.offset[i]; };
   const RaggedList& reaction = from.neighbour_of.entry.empty() ? from.base_of : from.neighbour_of;
   for (Index i = 0; i <= from.particle_count; ++i) {
-    to.lists.push_back({row(reaction, i), row(from.volume_of, i), row(from.spring_of, i), 0});
+    to.lists.push_back({row(reaction, i), row(from.volume_of, i), row(from.spring_of, i), row(to.walls.entries, i)});
   }
 }
 
 /// Adds those of Law::particle_averaged: the links of a domain and its seven directions, and what is gathered from
-/// them.
-void count_domain_turns(const FloatDomains& domains, Index particles, LoopTurns& most) {
+/// them and from walls.
+void count_domain_turns(const FloatDomains& domains, const FloatWalls& walls, Index particles, LoopTurns& most) {
   for (Index i = 0; i < std::min(particles, domains.count()); ++i) {
-    std::int64_t gathered = 0;
+    std::int64_t gathered = walls.count() > 0 ? walls.entries.size(i) : 0;
     for (Index d = i; d != none; d = domains.range[d][3]) {
       const std::int64_t links = domains.range[d][2] - domains.range[d][0];
       most.own = std::max(most.own, links + 7);
@@ -175,7 +175,7 @@ void count_domain_turns(const FloatDomains& domains, Index particles, LoopTurns&
 }
 
 /// Upper bounds: of triples that three nested loops count, all turns of all three.
-LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
+LoopTurns count_turns(const TopologyTextures& from, const FloatWalls& walls, FloatLayout layout) {
   LoopTurns most;
   const bool conservative = from.options.reaction == Reaction::conservative;  // gathers its own bases; no attractor
   const auto length = [](const RaggedList& list, Index i) {
@@ -187,7 +187,7 @@ LoopTurns count_turns(const TopologyTextures& from, FloatLayout layout) {
     const std::int64_t attractor = layout == FloatLayout::enumerated ? 2 * n + n * n / 2 + triples : n + bases;
     const std::int64_t own = conservative ? 0 : attractor;
     const std::int64_t gathered = (conservative ? bases : 0) + length(from.neighbour_of, i) + length(from.base_of, i) +
-                                  length(from.volume_of, i) + length(from.spring_of, i);
+                                  length(from.volume_of, i) + length(from.spring_of, i) + length(walls.entries, i);
     most = {std::max(most.own, own), std::max(most.gathered, gathered)};
   }
   return most;
@@ -219,6 +219,7 @@ FloatEntries::FloatEntries(const FloatTables& tables) : rows(tables.reaction) {
   };
   volume_start = append(tables.volume_entry);
   spring_start = append(tables.spring_other);
+  wall_start = append(tables.walls.entries.entry);
 }
 
 bool can_enumerate(const TopologyTextures& topology) {
@@ -245,9 +246,11 @@ FloatTables pack_floats(const TopologyTextures& topology, FloatLayout layout) {
   pack_volumes(topology, tables);
   pack_springs(topology, tables);
   tables.domains = pack_domains(topology);
+  require_entries(topology.walls.size(), FloatWalls::law_texels, "walls");
+  tables.walls = pack_walls(topology);
   pack_lists(topology, tables);
-  tables.turns = count_turns(topology, layout);
-  count_domain_turns(tables.domains, tables.particle_count, tables.turns);
+  tables.turns = count_turns(topology, tables.walls, layout);
+  count_domain_turns(tables.domains, tables.walls, tables.particle_count, tables.turns);
   return tables;
 }
 

@@ -10,6 +10,7 @@
 // Rows that a device gathers:
 //   base t     force on its vertices a, b, c and on its owner, at 0, 1, 2, 3 of "terms": entry t * 4 + corner
 //   volume v   force on its vertices: entry v * 4 + corner
+//   wall w     force on the vertices of its patch: entry w * 8 + vertex; float_walls.h
 //   domain d   first Piola stress and a force; float_domains.h
 #pragma once
 
@@ -19,6 +20,7 @@
 #include <vector>
 
 #include "float_domains.h"
+#include "float_walls.h"
 #include "table_rows.h"
 
 namespace phymul {
@@ -43,7 +45,7 @@ struct FloatTables {
   // Per particle.
   std::vector<Float4> particle;  ///< 1/m (1/kg), k_i (N/m), m (kg), 0
   std::vector<Int4> index;       ///< Nc, X, Bc, X': as TopologyTextures::index
-  /// [N + 1] row i and i + 1 bound particle i's entries in `reaction`, `volume_entry` and `spring`; 0.
+  /// [N + 1] row i and i + 1 bound particle i's entries in `reaction`, `volume_entry`, `spring` and those of `walls`.
   std::vector<Int4> lists;
 
   // Attractor of the reactions full, shared, barycentric and averaged. Rows as TopologyTextures::neighbours.
@@ -74,6 +76,7 @@ struct FloatTables {
   std::vector<std::int32_t> spring_other;  ///< per end: the other particle
   std::vector<Float4> spring;              ///< per end: X_other - X_self, stiffness, N/m
   FloatDomains domains;
+  FloatWalls walls;
 
   bool has_attractors() const { return !neighbour.empty() && options.reaction != Reaction::conservative; }
 
@@ -103,16 +106,19 @@ struct FloatTables {
     visit("domain_owner", domains.owner);
     visit("link_domain", domains.neighbour);
     visit("link", domains.link);
+    visit("wall", walls.vertex);
+    visit("wall_law", walls.law);
   }
 };
 
-/// `reaction`, `volume_entry` and `spring_other` one after another, because a pass reads no more than sixteen tables.
+/// `reaction`, `volume_entry`, `spring_other` and those of walls one after another, because a pass reads no more than
+/// sixteen tables.
 struct FloatEntries {
   /// Throws Error where shaders cannot count to their number.
   explicit FloatEntries(const FloatTables& tables);
 
   std::vector<std::int32_t> rows;
-  int volume_start = 0, spring_start = 0;
+  int volume_start = 0, spring_start = 0, wall_start = 0;
 };
 
 /// Whether the options allow the enumerated layout.

@@ -48,7 +48,7 @@ class RowsOf {
   }
 
   Index own(Index i) const { return bases(i).count + heights(i).count + list(i, 2).count + links(i); }
-  Index gathered(Index i) const { return list(i, 0).count + list(i, 1).count; }
+  Index gathered(Index i) const { return list(i, 0).count + list(i, 1).count + list(i, 3).count; }
 
  private:
   const FloatTables& t_;
@@ -225,6 +225,19 @@ std::vector<Index> move_volumes(SliceTables& to) {
   return inverse(order);
 }
 
+std::vector<Index> move_walls(SliceTables& to) {
+  FloatWalls& t = to.rows.walls;
+  for (Int4& vertices : t.vertex) {
+    for (Index& v : vertices) rename(v, to);
+  }
+  const std::vector<Index> order = order_by_least_vertex(t.count(), 6, [&](Index row, Index corner) {
+    return t.vertex[2 * row + corner / 4][static_cast<std::size_t>(corner % 4)];
+  });
+  permute(t.vertex, order, 2);
+  permute(t.law, order, FloatWalls::law_texels);
+  return inverse(order);
+}
+
 /// Lists of entries row * corners + corner. `kind`: which of FloatTables::lists bounds them.
 void move_entries(SliceTables& to, const char* name, std::size_t kind, const std::vector<Index>& row_of, Index corners,
                   std::vector<std::int32_t>& entries, std::vector<Int2>& ranges) {
@@ -319,9 +332,11 @@ SliceTables pack_slices(FloatTables tables, const TopologyTextures& topology, in
   move_shares(to);
   move_entries(to, "volumes", 1, move_volumes(to), 4, t.volume_entry, to.volumes);
   move_springs(to);
+  move_entries(to, "walls", 3, move_walls(to), 8, t.walls.entries.entry, to.walls);
   move_domains(to);
   for (auto* spent : {&t.index, &t.lists}) std::vector<Int4>().swap(*spent);
   std::vector<std::int32_t>().swap(t.first_height);
+  std::vector<Index>().swap(t.walls.entries.offset);
   return to;
 }
 

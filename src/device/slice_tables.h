@@ -27,11 +27,12 @@ struct SliceTables {
   int slice = 0;  ///< lanes
 
   /// The constants by place and row: every member means what it does in FloatTables, but
-  ///   - `index`, `lists` and `first_height` are empty; the ranges below say where a particle's rows are
+  ///   - `index`, `lists`, `first_height` and walls.entries.offset are empty; the ranges below say where a particle's
+  ///     rows are
   ///   - particle numbers are places; entries (t * 4 + corner and so on) name the rows here
   ///   - `particle` has a texel per place; rows per neighbour, per base and of the lists are padded, and base_count
-  ///     counts padded rows; particle_count is N. Volumes are not padded, and stand in the order of their
-  ///     first place.
+  ///     counts padded rows; particle_count is N. Volumes and walls are not padded, and stand in the order of
+  ///     their first place.
   ///   - domains are numbered by place, and further ones of a particle follow behind the last place, by place again;
   ///     their links are interleaved as other lists are, and their ranges count with that stride
   FloatTables rows;
@@ -43,6 +44,7 @@ struct SliceTables {
   std::vector<Int2> reactions;   ///< of share or reaction
   std::vector<Int2> volumes;     ///< of volume_entry
   std::vector<Int2> springs;     ///< of spring_other, spring
+  std::vector<Int2> walls;       ///< of walls.entries.entry
 
   std::vector<Index> order;     ///< [places] row of the model; `none` where the place is nobody's
   std::vector<Index> place_of;  ///< [N] place of a row of the model

@@ -337,10 +337,6 @@ void SolverBackend::do_restore(const Snapshot& snapshot) {
 }
 
 const char* SolverBackend::beyond_devices() const {
-  if (!topology_->walls.empty()) {
-    return "the body has walls (materials with a thickness), which this backend does not do; use \"cpu\" or "
-           "\"reference\"";
-  }
   if (std::ranges::any_of(scene_->volume_constraints(), [](const VolumeConstraint& kept) {
         return kept.fluid.law != FluidLaw::incompressible || kept.fluid.conductance > 0.0;
       })) {

@@ -11,6 +11,7 @@
 #include "device/float_range.h"
 #include "device/float_tables.h"
 #include "support/bodies.h"
+#include "support/cut_walls.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -137,6 +138,59 @@ TEST(FloatDomains, OtherLawsHaveNone) {
   const FloatTables tables = pack_floats(build_topology(make_block({0.03, 0.02, 0.02}, 3, 2, 2)));
   EXPECT_EQ(tables.domains.count(), 0);
   EXPECT_TRUE(tables.domains.link.empty());
+}
+
+/// Shaders read every vertex of every row, and add to those that there are.
+TEST(FloatWalls, RowsAreThoseOfTrianglesThatAreThere) {
+  TopologyTextures topology = build_topology(sheet());
+  const auto before = static_cast<Index>(topology.walls.size());
+  topology.walls[3].shear = 0.0;  // a removed one's
+  const FloatTables tables = pack_floats(topology);
+  const FloatWalls& walls = tables.walls;
+  ASSERT_EQ(walls.count(), before - 1);
+  ASSERT_EQ(walls.law.size(), static_cast<std::size_t>(FloatWalls::law_texels * walls.count()));
+  std::size_t present = 0, missing = 0;
+  for (Index row = 0; row < walls.count(); ++row) {
+    const WallTexel& wall = topology.walls[row < 3 ? row : row + 1];
+    for (Index k = 0; k < 6; ++k) {
+      const Index v = walls.vertex[2 * row + k / 4][static_cast<std::size_t>(k % 4)];
+      const Index own = wall.vertex[static_cast<std::size_t>(k)];
+      EXPECT_EQ(v, own == none ? wall.vertex[0] : own);
+      ++(own == none ? missing : present);
+      if (own == none) continue;
+      const std::int32_t entry = 8 * row + k;
+      EXPECT_EQ(std::count(walls.entries.begin(v), walls.entries.end(v), entry), 1);
+    }
+  }
+  EXPECT_GT(missing, 0u);
+  EXPECT_EQ(walls.entries.entry.size(), present);
+  EXPECT_EQ(tables.lists.back()[3], static_cast<Index>(present));
+}
+
+/// Also where a particle of a capsule gathers from domains.
+TEST(FloatWalls, TurnsOfTheirGatheringCount) {
+  for (const Model& model : {sheet(), slab_in_capsule()}) {
+    const FloatTables tables = pack_floats(build_topology(model));
+    Index most = 0;
+    for (Index i = 0; i < tables.particle_count; ++i) {
+      Index turns = tables.walls.entries.size(i);
+      if (tables.domains.count() > 0) turns += tables.domains.range[i][2] - tables.domains.range[i][0] + 1;
+      most = std::max(most, turns);
+    }
+    EXPECT_EQ(tables.turns.gathered, most);
+  }
+}
+
+TEST(FloatWalls, ConstantsBeyondSinglePrecisionAreRefused) {
+  TopologyTextures topology = build_topology(sheet(2));
+  topology.walls[1].bending[4] = 1e40;
+  EXPECT_TRUE(refuses([&] { pack_floats(topology); }, "is beyond the range of single precision"));
+}
+
+TEST(FloatWalls, OtherBodiesHaveNone) {
+  const FloatTables tables = pack_floats(averaged(block()));
+  EXPECT_EQ(tables.walls.count(), 0);
+  EXPECT_TRUE(tables.walls.entries.entry.empty());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "support/bodies.h"
+#include "support/cut_walls.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -59,6 +60,7 @@ double padding_share(const SliceTables& s) {
   add_list(s.reactions, t.share.size() + t.reaction.size());
   add_list(s.volumes, t.volume_entry.size());
   add_list(s.springs, t.spring.size());
+  add_list(s.walls, t.walls.entries.entry.size());
   for (const Int4& range : t.domains.range) {
     sum.held += static_cast<std::size_t>((range[2] - range[0]) / s.slice);
   }
@@ -85,6 +87,35 @@ TEST(SliceTables, LittleIsPadding) {
       const std::string name = body.name + ", " + p.name;
       std::printf("%-28s %.3f rows for one that is used\n", name.c_str(), share);
       EXPECT_LT(share, body.name == "lattice" ? 1.02 : 1.15) << name;
+    }
+  }
+}
+
+/// Terms stand in the order of their first place, and entries name them there.
+TEST(SliceTables, WallsAreFoundWhereTheirVerticesAre) {
+  const TopologyTextures topology = build_topology(sheet(32));
+  const FloatTables plain = pack_floats(topology);
+  const SliceTables s = pack_slices(plain, topology);
+  EXPECT_LT(padding_share(s), 1.15);
+  Index least_before = 0;
+  for (Index row = 0; row < s.rows.walls.count(); ++row) {
+    const auto &first = s.rows.walls.vertex[2 * row], &last = s.rows.walls.vertex[2 * row + 1];
+    const Index least = std::min({first[0], first[1], first[2], first[3], last[0], last[1]});
+    EXPECT_GE(least, least_before);
+    least_before = least;
+  }
+  for (Index place = 0; place < topology.particle_count; ++place) {
+    const std::vector<Index> rows = walked(s, s.walls, place);
+    const Index i = s.order[place];
+    ASSERT_EQ(static_cast<Index>(rows.size()), plain.walls.entries.size(i));
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const Index entry = s.rows.walls.entries.entry[rows[k]], before = plain.walls.entries.begin(i)[k];
+      EXPECT_EQ(entry % 8, before % 8);
+      EXPECT_EQ(s.rows.walls.vertex[2 * (entry / 8) + entry % 8 / 4][static_cast<std::size_t>(entry % 4)], place);
+      for (Index t = 0; t < FloatWalls::law_texels; ++t) {
+        EXPECT_EQ(s.rows.walls.law[FloatWalls::law_texels * (entry / 8) + t],
+                  plain.walls.law[FloatWalls::law_texels * (before / 8) + t]);
+      }
     }
   }
 }

@@ -237,13 +237,6 @@ TEST(Wall, RefusesWhatItCannotDo) {
   EXPECT_NE(message_of([&] { Scene(wall).scale_stiffness(2.0); }).find("without walls"), std::string::npos);
   EXPECT_NE(message_of([&] { clamp_edges(wall, [](const Vec3&) { return false; }); }).find("there are none"),
             std::string::npos);
-  const Scene scene(wall);
-  for (const char* backend : {"gl", "gl-compute"}) {
-    const auto names = backend_names();
-    if (std::ranges::find(names, backend) == names.end() || !why_unavailable(backend).empty()) continue;
-    EXPECT_NE(message_of([&] { make_solver(backend, wall, scene); }).find("the body has walls"), std::string::npos);
-  }
-  EXPECT_EQ(make_solver("auto", wall, scene)->name(), "cpu");
 }
 
 TEST(Wall, IsTheSameAfterAPmlFile) {

@@ -19,6 +19,10 @@ struct Columns {
   Vector3<S> c0, c1, c2;
 };
 
+inline float quotient(float a, float b) {
+  return a * (1.0f / b);
+}
+
 inline float inverse_root_change(float a, float y) {
   const float root = square_root(a);
   return -y * (1.0f / (root * (1.0f + root)));

@@ -19,6 +19,7 @@ MirrorForces::MirrorForces(FloatTables tables)
       own_(tables_.has_attractors() ? tables_.particle.size() : 0),
       base_force_(reacts_by_bases(tables_) ? 4 * tables_.base.size() : 0),
       volume_force_(4 * tables_.volume.size()),
+      wall_force_(8 * static_cast<std::size_t>(tables_.walls.count())),
       domain_stress_(tables_.domains.range.size()),
       spread_force_(tables_.domains.range.size()) {}
 
@@ -130,6 +131,48 @@ void MirrorForces::volume_rows(std::span<const Float3> u) const {
   }
 }
 
+/// Triangles of walls, as walls_pass.glsl has them.
+void MirrorForces::wall_rows(std::span<const Float3> u) const {
+  for (std::size_t w = 0; w < static_cast<std::size_t>(tables_.walls.count()); ++w) {
+    const Int4 &first = tables_.walls.vertex[2 * w], &last = tables_.walls.vertex[2 * w + 1];
+    const Float4* const law = &tables_.walls.law[FloatWalls::law_texels * w];
+    const Float4& mixed = law[11];
+    const std::array<Index, 5> vertex{first[1], first[2], first[3], last[0], last[1]};
+    const Float3 T1 = xyz(law[0]), T2 = xyz(law[1]), X[3] = {xyz(law[2]), xyz(law[3]), xyz(law[4])};
+    std::array<Float3, 5> d, h;
+    Float3 H1, H2;
+    for (std::size_t k = 0; k < 5; ++k) {
+      d[k] = u[vertex[k]] - u[first[0]];
+      h[k] = {law[5 + k][2], law[5 + k][3], k < 4 ? law[10][k] : mixed[0]};
+      H1 += law[5 + k][0] * d[k];
+      H2 += law[5 + k][1] * d[k];
+    }
+    const Forces::WallFrame now = Forces::wall_frame(T1, T2, H1, H2);
+    Float3 change{inner_product(now.turn, X[0]), inner_product(now.turn, X[1]), inner_product(now.turn, X[2])};
+    for (std::size_t k = 0; k < 5; ++k) change += inner_product(now.normal, d[k]) * h[k];
+    const auto bent = [&](float by_11, float by_22, float by_12) {
+      return by_11 * change.x + by_22 * change.y + by_12 * change.z;
+    };
+    const Float3 moment{bent(law[2][3], mixed[3], mixed[2]), bent(mixed[3], law[3][3], mixed[1]),
+                        bent(mixed[2], mixed[1], law[4][3])};
+    Float3 by_normal = moment.x * X[0] + moment.y * X[1] + moment.z * X[2];
+    std::array<float, 5> share;
+    for (std::size_t k = 0; k < 5; ++k) {
+      share[k] = inner_product(h[k], moment);
+      by_normal += share[k] * d[k];
+    }
+    const Forces::WallStress stress = Forces::wall_stress(now, T1, T2, H1, H2, law[0][3], law[1][3]);
+    Float3 P1, P2, sum;
+    Forces::wall_pulls(now, stress, by_normal, P1, P2);
+    for (std::size_t k = 0; k < 5; ++k) {
+      const Float3 pull = law[5 + k][0] * P1 + law[5 + k][1] * P2 + share[k] * now.normal;
+      wall_force_[8 * w + k + 1] = -pull;
+      sum += pull;
+    }
+    wall_force_[8 * w] = sum;
+  }
+}
+
 /// EnergyConstants.
 std::array<float, most_energy_constants> MirrorForces::energy_constants(Index d) const {
   const Float4* law = &tables_.domains.law[tables_.domains.law_texels * d];
@@ -207,6 +250,7 @@ Float3 MirrorForces::gathered(Index i, std::span<const Float3> u) const {
   for (Index r = first[2]; r < last[2]; ++r) {
     f += Forces::spring_force(xyz(t.spring[r]), u[t.spring_other[r]] - u[i], t.spring[r][3]);
   }
+  for (Index r = first[3]; r < last[3]; ++r) f += wall_force_[t.walls.entries.entry[r]];
   return f;
 }
 
@@ -218,6 +262,7 @@ void MirrorForces::evaluate(std::span<const Float3> u, std::span<Float3> force, 
     volume_rows<false>(u);
   }
   domain_rows(u, dissipation);
+  wall_rows(u);
   for (Index i = 0; i < tables_.particle_count; ++i) force[i] = gathered(i, u);
 }
 

@@ -2,7 +2,7 @@
 //
 // Elastic forces of a body in float, gathered particle by particle: what the shaders of a GPU do, term by term and in
 // the same order, as plain loops. Order of a particle's sum: its own force (conservative: its base rows), its
-// reactions, volumes, domains, springs. An attractor's: neighbour rows, then bases.
+// reactions, volumes, domains, springs, walls. An attractor's: neighbour rows, then bases.
 #pragma once
 
 #include <span>
@@ -36,6 +36,7 @@ class MirrorForces {
   void shape_rows(std::span<const Float3> u) const;
   template <bool bounded>
   void volume_rows(std::span<const Float3> u) const;
+  void wall_rows(std::span<const Float3> u) const;
   Index owner_of(Index domain) const { return tables_.domains.owner.empty() ? domain : tables_.domains.owner[domain]; }
   Columns<float> domain_gradient(Index d, std::span<const Float3> u) const;
   const Float4& law_of(Index domain) const { return tables_.domains.law[tables_.domains.law_texels * domain]; }
@@ -49,6 +50,7 @@ class MirrorForces {
   mutable std::vector<Float3> own_;           // [particles] F_i; empty where bases act one by one
   mutable std::vector<Float3> base_force_;    // [4 bases] on a, b, c and the owner; empty for the thesis' reactions
   mutable std::vector<Float3> volume_force_;  // [4 volumes]
+  mutable std::vector<Float3> wall_force_;    // [8 walls] on the vertices of the patch
   mutable std::vector<Columns<float>> domain_stress_;
   mutable std::vector<Float3> spread_force_;  // [domains]
   std::vector<float> factor_;                 // [domains] of the stiffness; empty: 1

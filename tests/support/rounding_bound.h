@@ -59,6 +59,11 @@ inline Bounded operator/(const Bounded& a, const Bounded& b) {
   const double value = a.value / b.value, inherited = (a.error + std::abs(value) * b.error) / least;
   return {value, inherited + slow_unit * (std::abs(value) + inherited)};
 }
+/// By the inverse, or divided.
+inline Bounded quotient(const Bounded& a, const Bounded& b) {
+  const Bounded divided = a / b;
+  return rounded(divided.value, divided.error);
+}
 inline Bounded square_root(const Bounded& a) {
   const double value = std::sqrt(a.value), inherited = value - std::sqrt(std::max(a.value - a.error, 0.0));
   return {value, inherited + slow_unit * (value + inherited)};

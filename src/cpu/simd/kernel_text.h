@@ -33,6 +33,9 @@ PHYMUL_INLINE Pack literal(float x) {
 PHYMUL_INLINE Pack square_root(Pack x) {
   return root(x);
 }
+PHYMUL_INLINE Pack quotient(Pack a, Pack b) {
+  return a / b;
+}
 PHYMUL_INLINE Pack inner_product(Pack3 a, Pack3 b) {
   return dot(a, b);
 }

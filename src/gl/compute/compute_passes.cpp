@@ -39,6 +39,7 @@ ComputePasses::Terms ComputePasses::terms_of(const TermRows& rows, const Compute
   define(request, "ATTRACTOR_ROWS", rows.attractors);
   define(request, "BASE_ROWS", rows.bases);
   define(request, "VOLUME_ROWS", rows.volumes);
+  define(request, "WALL_ROWS", rows.walls);
   define(request, "DOMAIN_ROWS", rows.domains);
   define(request, "SCALED_STIFFNESS", rows.scaled);
   if (rows.attractors || rows.bases) append(request, base_kernel());
@@ -46,6 +47,7 @@ ComputePasses::Terms ComputePasses::terms_of(const TermRows& rows, const Compute
   if (rows.bases && kind.attractors) append(request, {"step/force_of.glsl"});
   if (rows.bases) append(request, {"step/bases_pass.glsl"});
   if (rows.volumes) append(request, joined({volume_kernel(), {"step/volumes_pass.glsl"}}));
+  if (rows.walls) append(request, joined({wall_kernel(), {"step/walls_pass.glsl"}}));
   if (rows.domains) {
     append(request, domain_files(kind));
     if (kind.dissipates()) append(request, {"step/kept_strains.glsl"});
@@ -61,9 +63,11 @@ ComputePasses::Terms ComputePasses::terms_of(const TermRows& rows, const Compute
   add("attractor_groups", rows.attractors, kind.particles);
   add("base_groups", rows.bases, kind.bases);
   add("volume_groups", rows.volumes, kind.volumes);
+  add("wall_groups", rows.walls, kind.walls);
   add("domain_groups", rows.domains, kind.domains);
   terms.kernel.set("base_rows_count", kind.bases);
   terms.kernel.set("volume_count", kind.volumes);
+  terms.kernel.set("wall_count", kind.walls);
   terms.kernel.set("domain_count", kind.domains);
   return terms;
 }
@@ -79,6 +83,7 @@ std::vector<ComputePasses::Terms> ComputePasses::compiled_terms(bool scaled, con
   add({.attractors = kind.attractors,
        .bases = kind.base_terms && !apart,
        .volumes = kind.volumes > 0,
+       .walls = kind.walls > 0,
        .domains = kind.domains > 0,
        .scaled = scaled});
   if (apart) add({.bases = true});

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// The passes of a step, dispatched: forces of attractors, terms of bases, volumes and domains in one dispatch (bases of
-// the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch or the
-// host acts, another one before it finds where each particle would go by itself and by tools; then the host does its
-// part, or come the passes of contact_passes.h, and the last one ends what those began. Where the device keeps volumes,
-// sums over their facets and the end of the step are two dispatches more behind it, or three.
+// The passes of a step, dispatched: forces of attractors, terms of bases, volumes, walls and domains in one dispatch
+// (bases of the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch
+// or the host acts, another one before it finds where each particle would go by itself and by tools; then the host does
+// its part, or come the passes of contact_passes.h, and the last one ends what those began. Where the device keeps
+// volumes, sums over their facets and the end of the step are two dispatches more behind it, or three.
 #pragma once
 
 #include <deque>
@@ -72,9 +72,9 @@ class ComputePasses {
     int groups = 0;
   };
   struct TermRows {
-    bool attractors = false, bases = false, volumes = false, domains = false;
+    bool attractors = false, bases = false, volumes = false, walls = false, domains = false;
     bool scaled = false;  ///< the stiffness of domains is
-    bool any() const { return attractors || bases || volumes || domains; }
+    bool any() const { return attractors || bases || volumes || walls || domains; }
   };
   std::vector<Terms> compiled_terms(bool scaled, const ComputeState& state) const;
   Terms terms_of(const TermRows& rows, const ComputeState& state) const;

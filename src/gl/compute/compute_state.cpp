@@ -16,6 +16,7 @@ void ComputeTables::add_all(const SliceTables& slices) {
   rows_.add_words("reaction_ranges_place", slices.reactions);
   rows_.add_words("volume_ranges_place", slices.volumes);
   rows_.add_words("spring_ranges_place", slices.springs);
+  rows_.add_words("wall_ranges_place", slices.walls);
   slices.rows.for_each([this](const char* name, const auto& table) {
     const std::string place = std::string(name) + "_place";
     if constexpr (sizeof table[0] == sizeof(Float4)) {
@@ -28,6 +29,7 @@ void ComputeTables::add_all(const SliceTables& slices) {
   rows_.add_words("entries_place", std::move(entries.rows));
   rows_.note("volume_start", entries.volume_start);
   rows_.note("spring_start", entries.spring_start);
+  rows_.note("wall_start", entries.wall_start);
   rows_.note("particle_count", kind_.particles);
   rows_.note("place_count", places_);
 }
@@ -67,6 +69,7 @@ ComputeState::ComputeState(const ComputeTables& tables, const ComputeLimits& lim
   rows_.take("force_place", kind.attractors ? tables.places() : 0);
   rows_.take("base_terms_place", kind.base_terms ? std::int64_t{4} * kind.bases : 0);
   rows_.take("volume_terms_place", std::int64_t{4} * kind.volumes);
+  rows_.take("wall_terms_place", std::int64_t{4} * kind.walls);
   rows_.take("domain_terms_place", std::int64_t{4} * kind.domains);
   if (kind.dissipates()) {
     strains_row_ = rows_.take({}, pairs * strain_rows());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // What changes, on the device, in one storage buffer: three pairs of displacement (m) and velocity (m/s) by place; what
-// the last step measured; forces of attractors, terms of bases, volumes and domains, four rows each; rows of a
+// the last step measured; forces of attractors, terms of bases, volumes, walls and domains, four rows each; rows of a
 // report. Of a body that dissipates also the strains of its domains, with each pair, and the constants of its material.
 #pragma once
 

@@ -18,6 +18,7 @@ FragmentPasses::FragmentPasses(const FragmentTables& tables, const FragmentStrai
   if (tables.kind().attractors) add_attractors();
   if (tables.kind().base_terms) add_bases();
   add_volumes();
+  if (tables.kind().walls > 0) add_walls();
   if (tables.kind().domains > 0) add_domains();
 }
 
@@ -61,6 +62,13 @@ void FragmentPasses::add_volumes() {
   }
 }
 
+void FragmentPasses::add_walls() {
+  const Index walls = tables_->kind().walls;
+  wall_terms_ = Texture::target(walls, "forces of walls", 4);
+  add({.files = joined({common, wall_kernel(), {"step/walls_pass.glsl"}}), .defines = {}},
+      {{&wall_terms_, 0}, {&wall_terms_, 1}, {&wall_terms_, 2}, {&wall_terms_, 3}}, walls);
+}
+
 void FragmentPasses::add_domains() {
   const BodyKind& kind = tables_->kind();
   domain_terms_ = Texture::target(kind.domains, "stresses of domains", 3);
@@ -86,6 +94,7 @@ void FragmentPasses::bind_terms(Pass& pass) const {
   if (force_) pass.input("force", force_);
   if (base_terms_) pass.input("base_terms", base_terms_);
   if (volume_terms_) pass.input("volume_terms", volume_terms_);
+  if (wall_terms_) pass.input("wall_terms", wall_terms_);
   if (domain_terms_) pass.input("domain_terms", domain_terms_);
 }
 

@@ -4,6 +4,7 @@
 //   attractor  F_i of every particle                        reactions full, shared, barycentric, averaged
 //   bases      forces of a base on a, b, c and its owner    averaged, conservative
 //   volumes    forces of a volume on its vertices           bodies with a volume energy
+//   walls      forces of a triangle on its patch            bodies with walls
 //   domains    stress of a neighbourhood                    the particle-averaged law
 //   strains    those that the next step starts from         materials that dissipate
 //   joint      force of a spring                            scenes with joints
@@ -70,6 +71,7 @@ class FragmentPasses {
   void add_attractors();
   void add_bases();
   void add_volumes();
+  void add_walls();
   void add_domains();
   ShaderRequest domains_request() const;
   void draw_terms(const FragmentState& state, int batch_step);
@@ -93,7 +95,7 @@ class FragmentPasses {
   const FragmentTables* tables_;
   const FragmentStrains* strains_;
   const ShaderLibrary* library_;
-  Texture force_, net_, base_terms_, volume_terms_, domain_terms_;
+  Texture force_, net_, base_terms_, volume_terms_, wall_terms_, domain_terms_;
   std::vector<Drawing> before_;      // drawn in order before the step
   Pass strains_pass_;                // where the body dissipates
   double dt_ = 0.0, last_dt_ = 0.0;  // s; StepConstants

@@ -12,12 +12,14 @@ FragmentTables::FragmentTables(const FloatTables& tables) : kind_(tables), mater
   add("entries", entries.rows);
   volume_start_ = entries.volume_start;
   spring_start_ = entries.spring_start;
+  wall_start_ = entries.wall_start;
 }
 
 void FragmentTables::bind(Pass& pass) const {
   tables_.bind(pass);
   pass.set("volume_start", volume_start_);
   pass.set("spring_start", spring_start_);
+  pass.set("wall_start", wall_start_);
 }
 
 FragmentLayers::FragmentLayers(std::int64_t rows, int layers, const char* name) : layers_(layers) {

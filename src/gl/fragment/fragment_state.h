@@ -32,7 +32,7 @@ class FragmentTables {
   std::vector<Index> materials_;
   NamedTables tables_;
   // Of FloatEntries.
-  int volume_start_ = 0, spring_start_ = 0;
+  int volume_start_ = 0, spring_start_ = 0, wall_start_ = 0;
 };
 
 /// Rows of up to four texels that a step reads and writes, with each pair of FragmentState: a layer per

@@ -19,6 +19,7 @@ BodyKind::BodyKind(const FloatTables& tables)
       particles(tables.particle_count),
       bases(tables.base_count),
       volumes(tables.volume_count),
+      walls(tables.walls.count()),
       domains(tables.domains.count()),
       attractors(tables.has_attractors()),
       base_terms(!tables.base.empty() &&
@@ -46,6 +47,11 @@ ShaderFiles attractor_files(const BodyKind& kind) {
 
 const ShaderFiles& volume_kernel() {
   static const ShaderFiles files{"kernels/columns.glsl", "kernels/volume.glsl"};
+  return files;
+}
+
+const ShaderFiles& wall_kernel() {
+  static const ShaderFiles files{"kernels/wall.glsl"};
   return files;
 }
 
@@ -86,6 +92,7 @@ void define_kernels(const BodyKind& kind, ShaderRequest& request) {
   request.defines.emplace_back("DIMENSION", kind.dimension);
   if (kind.options.volume_law == VolumeLaw::bounded) request.defines.emplace_back("BOUNDED_VOLUME", 1);
   request.defines.emplace_back("LAW_TEXELS", kind.law_texels);
+  if (kind.walls > 0) request.defines.emplace_back("WALL_TEXELS", FloatWalls::law_texels);
   if (kind.several_domains) request.defines.emplace_back("SEVERAL_DOMAINS", 1);
   if (!kind.dissipates()) return;
   request.defines.emplace_back("DISSIPATES", 1);
@@ -103,6 +110,7 @@ void define_gathering(const BodyKind& kind, const LoadKind& loads, ShaderRequest
   define("BASE_TERMS", kind.base_terms);
   define("CONSERVATIVE", kind.conservative());
   define("VOLUMES", kind.volumes > 0);
+  define("WALLS", kind.walls > 0);
   define("DOMAINS", kind.domains > 0);
   define("SPRINGS", kind.springs);
   define("FORCES", loads.forces);

@@ -18,7 +18,7 @@ struct BodyKind {
   TopologyOptions options;
   int dimension = 3;
   int law_texels = 1;
-  Index particles = 0, bases = 0, volumes = 0, domains = 0;
+  Index particles = 0, bases = 0, volumes = 0, walls = 0, domains = 0;
   bool attractors = false;  ///< particles have a force F_i of their own: any reaction but the conservative
   bool base_terms = false;  ///< bases are evaluated a row each: averaged, conservative
   bool springs = false;
@@ -39,6 +39,7 @@ ShaderFiles joined(std::initializer_list<ShaderFiles> parts);
 const ShaderFiles& base_kernel();
 ShaderFiles attractor_files(const BodyKind& kind);
 const ShaderFiles& volume_kernel();
+const ShaderFiles& wall_kernel();
 ShaderFiles domain_files(const BodyKind& kind);  ///< what stresses of domains need, up to dissipation.glsl
 const ShaderFiles& gathering_files();            ///< up to net_force.glsl
 const ShaderFiles& tool_files();                 ///< up to touch_tools.glsl; needs net_force.glsl
