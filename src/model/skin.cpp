@@ -94,6 +94,12 @@ class CellSearch {
     VecList middle;
     for (Index row = 0; row < static_cast<Index>(model.cells.size()); ++row) {
       if (!is_solid(3, model.cells[row])) continue;
+      for (const Index i : model.cells[row].particles) {
+        if (i >= 0 && i < model.particle_count()) continue;
+        throw Error(ErrorCode::invalid_model, "Skin: cell " + std::to_string(row) + " has particle " +
+                                                  std::to_string(i) + " of a body of " +
+                                                  std::to_string(model.particle_count()));
+      }
       cells_.push_back(row);
       boxes_.push_back(box_of(model.cells[row]));
       middle.push_back(boxes_.back().center());
@@ -296,7 +302,6 @@ void Skin::bind(std::span<const Index> particles, std::span<const double> weight
 
 Skin::Skin(const Model& model, std::span<const Vec3> points, double most_outside)
     : particle_count_(model.rest.size()), rest_hash_(hash_of(model.rest)) {
-  validate(model);
   const CellSearch search(model);
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Place place = place_of_point(search, k, points[k], points[k], most_outside);
