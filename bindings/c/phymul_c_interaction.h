@@ -196,7 +196,7 @@ typedef struct phymul_thread {  // Thread: include/phymul/thread.h
   double breaking_force;     // N; 0: never
   double passage_limit;      // N; 0: never
   double throw_holding;      // N; 0: 1
-  int32_t touches;           // 1: a free thread lies on tools and tissue
+  int32_t touches;           // 1: a free thread lies on tools, tissue, itself and such threads
   int32_t unused;
 } phymul_thread;
 

@@ -76,7 +76,8 @@ FluidExchange::Found FluidExchange::find_root() {
     }
     if (!(yields > 1e-13 * slope_.trace())) return Found::rigid;
     enough = 1e-10 * total + 1e-14 * slope_.trace() * p_.lpNorm<Eigen::Infinity>();
-    step_ = -factors_.compute(slope_).solve(off_);
+    step_ = factors_.compute(slope_).solve(off_);
+    step_ = -step_;  // not at once: Eigen would allocate
     const double downhill = off_.dot(step_);
     double next = worst;
     for (double share = 1.0; share > 1e-9; share *= 0.5) {

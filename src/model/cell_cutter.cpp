@@ -18,20 +18,10 @@ namespace {
 
 /// Of a particle's mass that a copy has at least, taken from the heaviest one.
 constexpr double least_mass = 0.02;
-/// Of a part's share: less than this, or more than all but this, is none and all.
-constexpr double no_share = 1e-9;
-constexpr std::size_t most_cuts = 3;  // through a cell
-
 BodyCut::Part part_of(const Cell& cell) {
   BodyCut::Part part{{-1, -1, -1, -1}, cell.share, cell.cuts};
   std::ranges::copy(cell.particles, part.particles.begin());
   return part;
-}
-
-/// Whether it divides the cell, and does not only lie on one of its sides.
-bool divides(const CellCut& cut) {
-  return std::ranges::any_of(cut, [](double value) { return value > 0.0; }) &&
-         std::ranges::any_of(cut, [](double value) { return value < 0.0; });
 }
 
 class CellCutter {
@@ -134,7 +124,7 @@ class CellCutter {
     }
     const double share = tissue_share(first.cuts, corners) / whole;
     if (share < no_share || share > 1.0 - no_share) return;
-    if (std::ranges::count_if(first.cuts, divides) > static_cast<std::ptrdiff_t>(most_cuts)) {
+    if (std::ranges::count_if(first.cuts, divides) > static_cast<std::ptrdiff_t>(most_cuts_of_cell)) {
       if (cut_.refused != nullptr) {
         ++*cut_.refused;
         return;

@@ -128,6 +128,11 @@ double tissue_in_common(const Cell& a, const Cell& b, const std::array<Index, 2>
   return tissue_in_common(a.particles, a.cuts, b.particles, b.cuts, side);
 }
 
+bool divides(const CellCut& cut) {
+  return std::ranges::any_of(cut, [](double value) { return value > 0.0; }) &&
+         std::ranges::any_of(cut, [](double value) { return value < 0.0; });
+}
+
 std::optional<Eigen::Vector4d> middle_of_section(const CellCut& cut, std::size_t corners) {
   int above = 0, below = 0, points = 0;
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();

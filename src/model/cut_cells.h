@@ -16,6 +16,13 @@ namespace phymul {
 
 using FaceCut = std::array<double, 3>;
 
+/// Of a share of a cell: less than this, or more than all but this, is none and all.
+inline constexpr double no_share = 1e-9;
+inline constexpr std::size_t most_cuts_of_cell = 3;  ///< through a cell
+
+/// Whether it divides the cell, and does not only lie on one of its sides.
+bool divides(const CellCut& cut);
+
 /// Share of the volume of a tetrahedron (4 corners), or of the area of a triangle (3), in which all of them are above
 /// 0.
 double tissue_share(std::span<const CellCut> cuts, std::size_t corners);

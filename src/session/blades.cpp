@@ -84,18 +84,37 @@ class EdgeNow {
            std::abs(q.y()) < same_front * spacing_ && overcomes(q);
   }
 
-  /// Adds those of `cells` that it has passed, with their cuts, first the ones farthest behind.
-  void add_passed(const std::vector<Index>& cells, std::vector<Snapshot::CutLater>& to) const {
+  /// Adds those of `cells` that it has passed, with their cuts, first the ones farthest behind. How many cannot part:
+  /// cut too often, or neither tetrahedra nor of walls.
+  int add_passed(const std::vector<Index>& cells, std::vector<Snapshot::CutLater>& to) const {
+    int refused = 0;
     std::vector<std::pair<double, Snapshot::CutLater>> passed_cells;
     for (const Index row : cells) {
       const std::vector<Index>& particles = model_.cells[row].particles;
       CellCut cut{};
+      if (particles.size() > cut.size()) {
+        ++refused;
+        continue;
+      }
       std::ranges::transform(particles, cut.begin(), [&](Index i) { return distance(i); });
       const auto middle = middle_of_section(cut, particles.size());
-      if (middle && passed(row, *middle)) passed_cells.push_back({-at(row, *middle).z(), {row, cut}});
+      if (!middle || !passed(row, *middle)) continue;
+      const std::vector<CellCut>& before = model_.cells[row].cuts;
+      if (!before.empty() && divides(cut)) {
+        std::vector<CellCut> all = before;
+        all.push_back(cut);
+        const double share = tissue_share(all, particles.size()) / tissue_share(before, particles.size());
+        if (share < no_share || share > 1.0 - no_share) continue;  // what is left of it lies on one side
+        if (std::ranges::count_if(before, divides) >= static_cast<std::ptrdiff_t>(most_cuts_of_cell)) {
+          ++refused;
+          continue;
+        }
+      }
+      passed_cells.push_back({-at(row, *middle).z(), {row, cut}});
     }
     std::ranges::sort(passed_cells, {}, [](const auto& own) { return std::pair(own.first, own.second.cell); });
     for (const auto& [way, own] : passed_cells) to.push_back(own);
+    return refused;
   }
 
  private:
@@ -268,7 +287,7 @@ void Simulation::Parts::cut_with_blades(StepReport& report) {
       continue;
     }
     if (options.tick_budget > 0) {
-      edge.add_passed(cells, waiting);
+      report.uncut += edge.add_passed(cells, waiting);
       continue;
     }
     std::size_t refused = 0;
@@ -299,7 +318,7 @@ void Simulation::Parts::cut_waiting(StepReport& report) {
     }
     return std::ranges::find(cells, own.cell) == cells.end();
   };
-  std::size_t taken = 0;
+  std::size_t taken = 0, refused = 0;
   for (; taken < waiting.size() && cells.size() < most && fits(waiting[taken]); ++taken) {
     const auto& [row, cut] = waiting[taken];
     const Cell& cell = model.cells[row];
@@ -309,14 +328,17 @@ void Simulation::Parts::cut_waiting(StepReport& report) {
   }
   waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(taken));
   std::ranges::sort(cells);
-  std::size_t refused = 0;
   BodyCut found = body_edit().find_cut({.cells = cells,
                                         .distance = [&](Index i) { return distance.at(i); },
                                         .passed = [](Index, const auto&) { return true; },
                                         .who = "the blade",
                                         .refused = &refused});
-  report.uncut += static_cast<int>(refused);
-  if (!found.empty()) make_cut(std::move(found), cells.size() - refused, report);
+  if (!found.empty()) {
+    report.uncut += static_cast<int>(refused);
+    make_cut(std::move(found), cells.size() - refused, report);
+  } else if (refused > 0) {  // as the others would be
+    report.uncut += static_cast<int>(refused + std::exchange(waiting, {}).size());
+  }
 }
 
 /// What a cut has parted waits for its other cuts with both parts.

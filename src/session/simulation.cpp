@@ -27,8 +27,8 @@ constexpr double rounding = 1e-9;
 /// Up to so many steps in a call one more or less changes their length by much. Lengths that change to and fro drive
 /// the fastest vibrations, against their damping.
 constexpr double few_steps = 8.0;
-/// Of the limit, that steps may grow to; and of the stable step, a limit at which the body is nearly at rest.
-constexpr double clearly_short = 0.8, limit_at_rest = 0.88;
+/// Of the limit, that steps may grow to; and of that at rest, above which the body is nearly at rest.
+constexpr double clearly_short = 0.8, nearly_at_rest = 0.98;
 
 bool is_given(const Material& material) {
   return material != Material{};
@@ -107,10 +107,13 @@ double Simulation::Parts::step_limit(double seconds) {
 }
 
 double Simulation::Parts::held_steps(double seconds, double limit, double steps) {
-  if (options.step || !(last_dt > 0.0) || limit > limit_at_rest * solver().stable_step()) return steps;
+  if (options.step || !(last_dt > 0.0)) return steps;
   const double last = std::round(seconds / last_dt);
   const bool same_call = std::abs(last * last_dt - seconds) < 1e-6 * seconds;
   if (!same_call || !(last > steps) || last > few_steps) return steps;
+  if (!growth_at_rest) growth_at_rest = frequency_growth(*topology, topology->rest);
+  const double limit_at_rest = 0.9 / std::sqrt(*growth_at_rest) * solver().stable_step();  // Solver::suggested_step()
+  if (!(limit < nearly_at_rest * limit_at_rest)) return steps;
   return std::clamp(std::ceil(seconds / (clearly_short * limit) - rounding), steps, last);
 }
 
@@ -141,7 +144,7 @@ RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Dampin
   RestResult result =
       recorder ? recorder->run_to_rest(max_steps, dt, damping) : solver().run_to_rest(max_steps, dt, damping);
   took_steps(result.report);
-  if ((divide(result.report) || !waiting.empty()) && result.converged()) result.status = RestStatus::step_limit;
+  if (divide(result.report) && result.converged()) result.status = RestStatus::step_limit;
   follow_history(result.report);
   return result;
 }

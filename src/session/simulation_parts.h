@@ -80,8 +80,9 @@ struct Simulation::Parts {
   void see_tools();
   void ask_tools_again(std::vector<SceneTool> asked, const std::map<std::uint64_t, SeenTool>& seen);
   void took_steps(const StepReport& report);
-  double last_dt = 0.0;      ///< s, of the last step; 0: none
-  bool refused_cut = false;  ///< make_cut()
+  double last_dt = 0.0;                  ///< s, of the last step; 0: none
+  std::optional<double> growth_at_rest;  ///< frequency_growth(), by held_steps(): of the materials alone
+  bool refused_cut = false;              ///< make_cut()
   Tears tears;
   std::uint64_t tears_version = 0;  ///< Scene::body_version() and one that they are of
   ScaledTables scaled;

@@ -98,6 +98,7 @@ void Simulation::Parts::take_back(const Snapshot& before, const std::vector<Scen
   const std::map<std::uint64_t, SeenTool> seen = tools_seen;
   see_tools();
   ask_tools_again(asked, seen);
+  waiting = before.start.cut_later;
 }
 
 void Simulation::Parts::begin(double dt) {

@@ -114,6 +114,26 @@ TEST(BladeState, ABudgetLeavesTheCutWhereItIs) {
   }
 }
 
+/// Hexahedra, which do not part, in a capsule, which does.
+TEST(BladeState, ABudgetLeavesOtherCellsAlone) {
+  Model model = make_block({0.06, 0.04, 0.02}, 6, 4, 2);
+  set_material(model, {1e4, 0.4, 1000.0});
+  add_capsule(model, {.young = 1e5, .poisson = 0.4, .density = 1000.0, .thickness = 5e-4});
+  Simulation sim(with_spare_particles(model, 200), {.backend = "cpu", .damping = {.rate = 20.0}, .tick_budget = 2});
+  ToolPose pose = Stroke::first(-0.005);
+  const ToolHandle blade = sim.scene().fix("z0").add_tool("scalpel", {.shape = Blade{.width = 0.03}, .pose = pose});
+  int uncut = 0;
+  for (int tick = 0; tick < 30; ++tick) {
+    pose.position.x() -= 0.5e-3;
+    blade.move_to(pose);
+    const StepReport report = sim.advance(1e-4);
+    ASSERT_TRUE(report.ok());
+    EXPECT_EQ(report.cut_later, 0);  // no corner of the capsule without a hexahedron
+    uncut += report.uncut;
+  }
+  EXPECT_GT(uncut, 10);
+}
+
 TEST(BladeState, WhatABudgetLeavesNeedsNoBlade) {
   Stroke stroke = with_budget(2), all = with_budget(0);
   for (int tick = 0; tick < 12; ++tick) {

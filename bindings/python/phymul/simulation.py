@@ -153,6 +153,7 @@ class Simulation(Scene):
                 raise
             failure = error
         fields = fields_of(report)
+        del fields["unused"]
         fields["at_rest"], fields["force_clamped"] = bool(report.at_rest), bool(report.force_clamped)
         result = StepReport(**fields, message=self.message)
         if failure:

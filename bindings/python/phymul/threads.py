@@ -33,7 +33,7 @@ class Thread:
     breaking_force: float = math.inf  # N
     passage_limit: float = math.inf  # N at which the tissue tears
     throw_holding: float = 1.0  # N, of each throw of a knot
-    touches: bool = False  # a free thread lies on tools and tissue
+    touches: bool = False  # a free thread lies on tools, tissue, itself and such threads
 
 
 @dataclass(frozen=True)

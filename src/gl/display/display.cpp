@@ -53,13 +53,6 @@ struct Objects {
   Texture position, attractor;  // of what is uploaded
 };
 
-void require_size(const char* name, int width, int height) {
-  if (width > 0 && height > 0) return;
-  throw Error(ErrorCode::invalid_argument, "Display::" + std::string(name) +
-                                               ": expected a width and a height above 0, " + "got " +
-                                               std::to_string(width) + " by " + std::to_string(height));
-}
-
 class GlDisplay final : public Display {
  public:
   GlDisplay(const Model& model, const Solver* solver, std::shared_ptr<const VisibleSkin> skin, const GlOptions& options)
@@ -80,7 +73,6 @@ class GlDisplay final : public Display {
   ~GlDisplay() override { drop(); }
 
   Image render(const Camera& camera, const DisplayOptions& options, int width, int height) override {
-    require_size("render", width, height);
     return with_placement(options.attractors, [&](const Placement& placement) {
       const PictureTarget target(width, height);
       const int factor = target.factor();
@@ -96,7 +88,10 @@ class GlDisplay final : public Display {
           "Display::draw: draws into the caller's framebuffer, so the display must be made with GlContext::current; "
           "this one has a context of its own, where render() makes pictures");
     }
-    require_size("draw", width, height);
+    if (width < 1 || height < 1) {
+      throw Error("Display::draw: expected a view of at least 1 x 1 pixels, got " + std::to_string(width) + " x " +
+                  std::to_string(height));
+    }
     with_placement(options.attractors, [&](const Placement& placement) {
       objects_->body.draw(placement, camera, options, {x, y, width, height, 1.0});
       return 0;

@@ -124,12 +124,11 @@ void DeviceSolver::drop() noexcept {
 }
 
 /// All tables are made and sent anew.
-void DeviceSolver::do_body_changed(std::span<const Index> domains) {
+void DeviceSolver::do_body_changed(std::span<const Index> /*domains*/) {
   Snapshot now;
   do_snapshot(now);
   now.state = without_removed(std::move(now.state));
-  for (const Index d : domains) {
-    const auto i = static_cast<std::size_t>(topology().domains[d].particle);
+  for (std::size_t i = 0; i < now.displacement.size(); ++i) {
     if (topology().mass[i] == 0.0) now.displacement[i].setZero();
   }
   drop();

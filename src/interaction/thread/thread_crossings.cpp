@@ -173,6 +173,7 @@ bool ThreadCrossings::update() {
   bool changes = false;
   before_.swap(crosses_);
   crosses_.clear();
+  is_coupled_ = false;
   for (std::size_t pair = begin_; pair < end_; ++pair) measure(pair, crosses_);
   auto known = before_.begin();
   const auto order = [](const Cross& cross) { return std::pair(cross.pair, cross.place); };
@@ -276,6 +277,7 @@ void ThreadCrossings::find_forces() {
 }
 
 void ThreadCrossings::couple() {
+  is_coupled_ = true;
   if (crosses_.empty()) return;
   find_frames();
   find_forces();
@@ -285,7 +287,8 @@ void ThreadCrossings::couple() {
 }
 
 void ThreadCrossings::give_forces() const {
-  for (const Cross& cross : crosses_) {
+  // Those of the last iteration, at its places.
+  for (const Cross& cross : is_coupled_ ? crosses_ : before_) {
     for (const std::size_t side : {0, 1}) {
       const ThreadRod::Point& at = cross.at[side];
       const Vec3 force = side == 0 ? cross.force : Vec3(-cross.force);

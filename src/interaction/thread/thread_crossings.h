@@ -99,6 +99,7 @@ class ThreadCrossings {
   // Of the group at hand.
   std::size_t first_ = 0, begin_ = 0, end_ = 0;  // its first strand; in near_
   std::vector<Cross> crosses_, before_;          // of this round and the one before
+  bool is_coupled_ = false;                      // couple() has used crosses_, else before_
   double met_ = 0.0;                             // of the sum of radii, by which segments may still be too near
   double steepest_ = 1.0;  // of the answer to forces at all places, by each place's own: no more than that
   // [crosses_], by their axes. open: m, the way beyond the one that is needed, with compliance.
