@@ -54,22 +54,36 @@ class EdgeNow {
 
   /// Rows of cells that its plane crosses around it and whose middle it can have passed, ascending.
   std::vector<Index> cells() const {
-    const std::vector<unsigned char> sides = sides_of_all();
+    Blade edge = blade_;
+    edge.height = 0.0;
+    const ToolExtent extent = extent_of({.shape = edge});
+    // A place in a tetrahedron is within sqrt(3/8) of its longest edge of a corner (Jung's theorem); the rest of the
+    // edge is for cells that are stretched.
+    const double around = edit_.longest_edge();
+    const Vec3 low = extent.low.array() - around, high = extent.high + Vec3(around, around, behind_ + around);
+    const Vec3 middle = frame_.outside(0.5 * (low + high));
+    const double reach = 0.5 * (high - low).norm();
     std::vector<Index> found;
-    for (Index row = 0; row < static_cast<Index>(edit_.corners().size()); ++row) {
-      const BodyEdit::Corners& own = edit_.corners()[row];
-      if (own[0] < 0 || (own[1] >= 0 && (sides[own[0]] & sides[own[1]] & sides[own[2]] & sides[own[3]]) != 0)) continue;
-      const Cell& cell = model_.cells[row];
-      unsigned beyond = unknown;  // sides that all its particles are beyond
-      for (const Index k : cell.particles) beyond &= sides_beyond(k);
-      if (beyond != 0 || cell.share == 0.0 || is_cut_here(row)) continue;
-      double first = HUGE_VAL, last = -HUGE_VAL;
-      for (const Index k : cell.particles) {
-        first = std::min(first, distance(k));
-        last = std::max(last, distance(k));
+    std::vector<char> seen(model_.cells.size(), 0);
+    for (std::size_t i = 0; i < position_.size(); ++i) {
+      if (!((position_[i] - middle).squaredNorm() < reach * reach)) continue;
+      const Vec3 q = frame_.inside(position_[i]);
+      if ((q.array() < low.array()).any() || (q.array() > high.array()).any()) continue;
+      for (const Index row : edit_.cells_of()[i]) {
+        if (std::exchange(seen[row], 1) != 0) continue;
+        const Cell& cell = model_.cells[row];
+        unsigned beyond = unknown;  // sides that all its particles are beyond
+        for (const Index k : cell.particles) beyond &= sides_beyond(k);
+        if (beyond != 0 || cell.share == 0.0 || is_cut_here(row)) continue;
+        double first = HUGE_VAL, last = -HUGE_VAL;
+        for (const Index k : cell.particles) {
+          first = std::min(first, distance(k));
+          last = std::max(last, distance(k));
+        }
+        if (first <= 0.0 && last >= 0.0) found.push_back(row);
       }
-      if (first <= 0.0 && last >= 0.0) found.push_back(row);
     }
+    std::ranges::sort(found);
     return found;
   }
 
@@ -140,33 +154,15 @@ class EdgeNow {
     return place_[i];
   }
 
-  /// [N] one bit a side: of a box that has all that sides_beyond() looks at, without unrolling an arc.
-  std::vector<unsigned char> sides_of_all() const {
-    Blade edge = blade_;
-    edge.height = 0.0;
-    const ToolExtent extent = extent_of({.shape = edge});
-    // A place in a tetrahedron is within sqrt(3/8) of its longest edge of a corner (Jung's theorem); the rest of the
-    // edge is for cells that are stretched.
-    const double around = edit_.longest_edge();
-    const Vec3 low = extent.low.array() - around, high = extent.high + Vec3(around, around, behind_ + around);
-    std::vector<unsigned char> sides(position_.size());
-    for (std::size_t i = 0; i < sides.size(); ++i) sides[i] = beyond(low, high, frame_.inside(position_[i]));
-    return sides;
-  }
-
-  static unsigned char beyond(const Vec3& low, const Vec3& high, const Vec3& at) {
-    unsigned sides = 0;
-    for (int a = 0; a < 3; ++a) sides |= (at[a] < low[a] ? 1U : 0U) << a | (at[a] > high[a] ? 8U : 0U) << a;
-    return static_cast<unsigned char>(sides);
-  }
-
   /// Of the box that cells must reach into, one bit a side. Without the cuts around, which can move the plane by a few
   /// spacings.
   unsigned sides_beyond(Index i) const {
     if (beyond_[i] != unknown) return beyond_[i];
     const Vec3 low(-0.5 * curve_.length(), -same_front * spacing_, -lead_of_front * spacing_);
     const Vec3 high(0.5 * curve_.length(), same_front * spacing_, behind_);
-    return beyond_[i] = beyond(low, high, place(i));
+    unsigned sides = 0;
+    for (int a = 0; a < 3; ++a) sides |= (place(i)[a] < low[a] ? 1U : 0U) << a | (place(i)[a] > high[a] ? 8U : 0U) << a;
+    return beyond_[i] = static_cast<unsigned char>(sides);
   }
 
   /// Whether tissue at this place has got all the force that it can bear; or the edge has gone by and holds none there,

@@ -22,6 +22,10 @@ namespace {
 /// for planes, 2.63 where a few light particles set the first value (masses not balanced), 2.5 in sheets and spheres.
 constexpr double of_removals = 2.3, of_cuts = 1.8, of_light_particles = 2.8, of_walls = 2.8;
 
+bool has_material(const Model& model, const Cell& cell) {
+  return cell.material >= 0 && is_tissue(model, cell);
+}
+
 template <class T>
 void sort_unique(std::vector<T>& list) {
   std::ranges::sort(list);
@@ -30,10 +34,6 @@ void sort_unique(std::vector<T>& list) {
 }
 
 }  // namespace
-
-bool BodyEdit::has_material(const Model& model, const Cell& cell) {
-  return cell.material >= 0 && is_tissue(model, cell);
-}
 
 BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), topology_(topology) {
   if ((topology.domains.empty() && topology.walls.empty()) || is_body_of_points(model)) {
@@ -79,7 +79,6 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
     whole_share_.reserve(model.cells.size() + cells);
     mass_of_corner_.reserve(model.cells.size() + cells);
     walls_at_.reserve(model.cells.size() + cells);
-    corners_.reserve(model.cells.size() + cells);
     if (!topology.walls.empty()) topology.walls.reserve(topology.walls.size() + cells);
     topology.links.reserve(topology.links.size() + links);
     topology.surface_links.reserve(topology.surface_links.size() + links);
@@ -95,6 +94,35 @@ BodyEdit::BodyEdit(Model& model, TopologyTextures& topology) : model_(model), to
   surface_room_.resize(room_.size());
   place_of_.assign(room_.size(), none);
   topology.built = fingerprint(topology);
+}
+
+/// Lists a cell by its particles.
+void BodyEdit::take_cell(Index row) {
+  const auto insert = [row](std::vector<Index>& rows) {
+    const auto at = std::ranges::lower_bound(rows, row);
+    if (at == rows.end() || *at != row) rows.insert(at, row);
+  };
+  if (is_clamp(model_.cells[row])) {
+    for (const Index i : model_.cells[row].particles) insert(walls_of_[i]);
+  }
+  if (!has_material(model_, model_.cells[row])) return;
+  if (at_start_[row] != 0) ++cell_count_;
+  Cell whole = model_.cells[row];
+  whole.share = whole_share_[row];
+  mass_of_corner_[row] = model_.materials[whole.material].density * tissue_volume(model_, whole) /
+                         static_cast<double>(whole.particles.size());
+  for (const Index i : whole.particles) {
+    insert(cells_of_[i]);
+    if (is_of_wall(model_, whole)) insert(walls_of_[i]);
+  }
+}
+
+void BodyEdit::lift_cell(Index row) {
+  for (const Index i : model_.cells[row].particles) {
+    std::erase(cells_of_[i], row);
+    std::erase(walls_of_[i], row);
+  }
+  if (has_material(model_, model_.cells[row]) && at_start_[row] != 0) --cell_count_;
 }
 
 void BodyEdit::weigh_lumped(Index i) {

@@ -41,10 +41,6 @@ class BodyEdit {
   double spacing() const { return spacing_; }            ///< m, tissue_spacing()
   double longest_edge() const { return longest_edge_; }  ///< m, of its cells at rest
   const std::vector<std::vector<Index>>& cells_of() const { return cells_of_; }
-  /// Of a cell its particles, a triangle's first one twice; of one with more than four the first one, then none; of
-  /// what is no tissue none. Side by side, because who looks at all cells waits for their lists.
-  using Corners = std::array<Index, 4>;
-  const std::vector<Corners>& corners() const { return corners_; }
 
  private:
   /// Of a domain d, by domains e: C_de, C_ed, m^2, and the stiffness of the link, N/m.
@@ -57,7 +53,6 @@ class BodyEdit {
     Index first = none, count = 0;  // of rows that no other domain has; none: not yet
   };
 
-  static bool has_material(const Model& model, const Cell& cell);  ///< tissue, with one
   void require_cell(Index cell) const;
   void require_fits(const BodyCut& cut) const;
   void take_cell(Index row);
@@ -89,7 +84,6 @@ class BodyEdit {
   TopologyTextures& topology_;
   std::size_t cell_count_ = 0;                // with a material
   std::vector<std::vector<Index>> cells_of_;  // by particle: rows of its tissue with a material, ascending
-  std::vector<Corners> corners_;              // [cells]
   std::vector<std::vector<Index>> walls_of_;  // the same of walls and their clamped edges
   std::vector<std::vector<Index>> walls_at_;  // [cells] rows of TopologyTextures::walls
   std::vector<Index> free_walls_;             // rows there that no cell has, the next one last

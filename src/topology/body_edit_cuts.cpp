@@ -97,42 +97,6 @@ void BodyEdit::require_fits(const BodyCut& cut) const {
   }
 }
 
-/// Lists a cell by its particles.
-void BodyEdit::take_cell(Index row) {
-  if (static_cast<Index>(corners_.size()) == row) corners_.emplace_back().fill(none);
-  const auto insert = [row](std::vector<Index>& rows) {
-    const auto at = std::ranges::lower_bound(rows, row);
-    if (at == rows.end() || *at != row) rows.insert(at, row);
-  };
-  if (is_clamp(model_.cells[row])) {
-    for (const Index i : model_.cells[row].particles) insert(walls_of_[i]);
-  }
-  if (!has_material(model_, model_.cells[row])) return;
-  if (at_start_[row] != 0) ++cell_count_;
-  Cell whole = model_.cells[row];
-  whole.share = whole_share_[row];
-  mass_of_corner_[row] = model_.materials[whole.material].density * tissue_volume(model_, whole) /
-                         static_cast<double>(whole.particles.size());
-  Corners& own = corners_[row] = {whole.particles[0], none, none, none};
-  if (whole.particles.size() <= own.size()) {
-    own.fill(whole.particles[0]);
-    std::ranges::copy(whole.particles, own.begin());
-  }
-  for (const Index i : whole.particles) {
-    insert(cells_of_[i]);
-    if (is_of_wall(model_, whole)) insert(walls_of_[i]);
-  }
-}
-
-void BodyEdit::lift_cell(Index row) {
-  corners_[row].fill(none);
-  for (const Index i : model_.cells[row].particles) {
-    std::erase(cells_of_[i], row);
-    std::erase(walls_of_[i], row);
-  }
-  if (has_material(model_, model_.cells[row]) && at_start_[row] != 0) --cell_count_;
-}
-
 void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
   require_fits(*cut);
   for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
@@ -180,7 +144,6 @@ void BodyEdit::undo() {
   undo_cut(*cut, model_);
   for (std::size_t row = walls_at_.size(); row-- > rows;) free_walls(walls_at_[row]);
   walls_at_.resize(rows);
-  corners_.resize(rows);
   whole_share_.resize(rows);
   mass_of_corner_.resize(rows);
   at_start_.resize(rows);
