@@ -17,7 +17,7 @@ void FluidExchange::Volume::find_ends() {
   low = push.pressure(s ? *s : branch.first);
   least = s ? last.volume : reached / fluid_ratio(push.fluid, 0.0).volume;
   high = push.pressure(branch.second);
-  // Beyond the points of a curve its line goes on to a ratio of 0.
+  // Beyond its points a curve continues as a line, down to a ratio of 0.
   if (push.fluid.law == FluidLaw::curve) {
     high = std::min(high, fluid_pressure(push.fluid, 1e-3 * push.fluid.curve.front()[0]));
   }

@@ -274,7 +274,7 @@ TEST(ThreadCrossing, AStepCostsAsItsNodes) {
   EXPECT_LT(quickest[1], 10.0 * quickest[0]);
 }
 
-/// One solver goes on, another one is restored before each step: a step depends on the state alone.
+/// A step depends on the state alone: a solver that is restored before each step does as one that is not.
 TEST(ThreadCrossing, ARestoredStepHasTheSameBits) {
   std::array<ThreadsAlone, 2> bodies;
   for (ThreadsAlone& body : bodies) {
