@@ -38,8 +38,8 @@ WantedVolume FluidExchange::Volume::fits(double pressure) const {
 
 void FluidExchange::allocate(int count) {
   volumes.reserve(count);
-  slope_.resize(count, count);
-  factors_ = Eigen::LDLT<Eigen::MatrixXd>(count);
+  slope_.setIdentity(count, count);
+  factors_.compute(slope_);  // of this size; before, a copy would read what Eigen leaves undefined
   for (Eigen::VectorXd* list : {&p_, &trial_, &off_, &step_}) list->resize(count);
 }
 
