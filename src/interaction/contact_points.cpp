@@ -78,6 +78,7 @@ struct Part {
 
   /// Cuts off where a function that is linear in the shares, of these values at the triangle's corners, is negative.
   void keep_positive(const Vec3& values) {
+    if (values.minCoeff() >= 0.0) return;
     std::array<Vec3, 9> kept;
     std::size_t n = 0;
     const auto keep = [&](const Vec3& at) {
@@ -164,14 +165,18 @@ PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner
     depth[2 * axis] = Vec3::Constant(box.high[axis]) - along;
     depth[2 * axis + 1] = along - Vec3::Constant(box.low[axis]);
   }
-  if (std::ranges::any_of(depth, [](const Vec3& d) { return d.maxCoeff() <= 0.0; })) return;
-  for (const Vec3& own : depth) {
+  double least = std::numeric_limits<double>::infinity();  // of what the triangle's corners are below a face at most
+  for (const Vec3& own : depth) least = std::min(least, own.maxCoeff());
+  if (least <= 0.0) return;
+  const auto is_near = [&](const Vec3& own) { return own.minCoeff() <= least; };  // else another one is nearer all over
+  for (std::size_t face = 0; face < depth.size(); ++face) {
+    const Vec3& own = depth[face];
     const auto hides = [&](const Vec3& other) { return &other != &own && (other - own).maxCoeff() <= 0.0; };
-    if (std::ranges::any_of(depth, hides)) continue;
+    if (!is_near(own) || std::ranges::any_of(depth, hides)) continue;
     Part part{.corner = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
     part.keep_positive(own);
     for (const Vec3& other : depth) {
-      if (&other != &own) part.keep_positive(other - own);
+      if (&other != &own && is_near(other)) part.keep_positive(other - own);
     }
     if (part.count < 3) continue;
     const Vec3 middle = part.middle();
@@ -182,11 +187,16 @@ PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner
       share[k] += 0.5 * between;
       share[next] += 0.5 * between;
     }
+    const std::size_t first = count;
     for (std::size_t k = 0; k < part.count; ++k) {
       const Vec3 at = part.corner[k] + inward * (middle - part.corner[k]);
       const double load = area * share[k] * own.dot(at);
       if (load > 0.0) points[count++] = {.share = {at[0], at[1], at[2]}, .load = load};
     }
+    const std::size_t axis = face / 2;
+    if (count == first) continue;
+    faces[face_count++] = face % 2 == 0 ? Face{static_cast<int>(axis), 1.0, box.high[axis]}
+                                        : Face{static_cast<int>(axis), -1.0, -box.low[axis]};
   }
 }
 

@@ -49,12 +49,17 @@ struct BoxPlanes {
 /// that lies wholly before one face are near its own corners.
 struct PointsInBox {
   struct Point {
-    ContactPoints::Shares share{};
-    double load = 0.0;  // m^3: its area times its depth
+    ContactPoints::Shares share;
+    double load;  // m^3: its area times its depth
+  };
+  struct Face {  // of the box, that is the nearest surface to some of the triangle
+    int axis;
+    double side, plane;  // 1 or -1, and m: the place q is `plane - side q[axis]` below it
   };
   static constexpr std::size_t most = 54;  // six faces; each of six planes adds a corner at the most to three
   std::array<Point, most> points;
-  std::size_t count = 0;
+  std::array<Face, 6> faces;
+  std::size_t count = 0, face_count = 0;
 
   /// `corner`, m: of the triangle, in the box's frame; `area`, m^2: of the triangle.
   PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area);
