@@ -17,7 +17,7 @@ constexpr double stiffening = 30.0;
 /// Of the stiffness of integrals, by each raise().
 constexpr double raising = 5.0;
 /// Linearisations after begin() or raise() that leave out what makes the stiffness of integrals indefinite.
-constexpr int rough = 2;
+constexpr int rough_linearisations = 2;
 /// Of the mean normal of what is in a box, along a face's: then it came in through that face.
 constexpr double one_way = 0.9;
 int raises_of(const Tool& tool) {
@@ -216,7 +216,7 @@ void RestTools::linearise(std::span<const Vec3> position) {
   ++linearised_;
   for (const Touching& tool : tools_) {
     for_each_pressed(tool, position, [&](const Pressed& own) {
-      if (own.gain > 0.0 || linearised_ > rough) linear_.push_back(own);
+      if (own.gain > 0.0 || linearised_ > rough_linearisations) linear_.push_back(own);
     });
   }
 }
