@@ -12,10 +12,48 @@
 #include "context_current.h"
 #include "egl_display.h"
 #include "gl_functions.h"
-#include "guard_egl.h"
 
 namespace phymul::gl {
 namespace {
+
+/// What EGL has bound to this thread, to be bound again: context, display, both surfaces and the API. Costs some
+/// microseconds.
+class EglGuard {
+ public:
+  EglGuard();
+  ~EglGuard();
+  EglGuard(const EglGuard&) = delete;
+  EglGuard& operator=(const EglGuard&) = delete;
+
+  EGLContext context() const { return context_; }  ///< of the host; EGL_NO_CONTEXT: none
+
+ private:
+  EGLenum api_;
+  EGLContext context_;
+  EGLDisplay display_;
+  EGLSurface draw_, read_;
+};
+
+EglGuard::EglGuard() : api_(eglQueryAPI()) {
+  // The current context is asked for per API; OpenGL and OpenGL ES share one answer, OpenVG has another.
+  eglBindAPI(EGL_OPENGL_ES_API);
+  context_ = eglGetCurrentContext();
+  display_ = eglGetCurrentDisplay();
+  draw_ = eglGetCurrentSurface(EGL_DRAW);
+  read_ = eglGetCurrentSurface(EGL_READ);
+}
+
+EglGuard::~EglGuard() {
+  eglBindAPI(EGL_OPENGL_ES_API);
+  if (eglGetCurrentContext() != context_) {
+    if (context_ != EGL_NO_CONTEXT) {
+      eglMakeCurrent(display_, draw_, read_, context_);
+    } else {
+      eglMakeCurrent(eglGetCurrentDisplay(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    }
+  }
+  eglBindAPI(api_);
+}
 
 /// One way to ask for a context. Drivers give a later version that holds the one asked for.
 struct Request {
