@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "local_step_limit.h"
+#include "local_steps.h"
 
 #include <cmath>
 #include <optional>

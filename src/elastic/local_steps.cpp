@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "local_step_limit.h"
 #include "scaled_stiffness.h"
 
 namespace phymul {

@@ -14,7 +14,6 @@
 #include "group.h"
 #include "material.h"
 #include "point_cells.h"
-#include "stiffening.h"
 
 namespace phymul {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "stiffening.h"
+#include "material.h"
 
 #include <algorithm>
 #include <cmath>

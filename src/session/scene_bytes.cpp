@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "thread_bytes.h"
-#include "tool_bytes.h"
-#include "volume_bytes.h"
 #include "wire_codes.h"
 
 namespace phymul {

@@ -18,7 +18,7 @@
 #include "interaction/tool_shape.h"
 #include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
-#include "model/tissue_surface.h"
+#include "model/outer_faces.h"
 #include "scene/loose_parts.h"
 
 namespace phymul {

@@ -9,7 +9,7 @@
 
 #include "base/bounding_box.h"
 #include "elastic/energy_density.h"
-#include "polar_rotation.h"
+#include "elastic/rotation.h"
 
 namespace phymul {
 namespace {

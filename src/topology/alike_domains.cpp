@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "alike_domains.h"
+#include "averaged_body.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Pure bending in linear elasticity, which the stabiliser is calibrated by (stabiliser.h).
+// Pure bending in linear elasticity, which the stabiliser is calibrated by (stabiliser.cpp).
 #pragma once
 
 #include <phymul/model.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "domain_links.h"
+#include "averaged_body.h"
 
 #include <algorithm>
 

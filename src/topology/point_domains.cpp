@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "point_domains.h"
+#include "averaged_body.h"
 
 #include <phymul/error.h>
 

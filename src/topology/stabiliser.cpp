@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "stabiliser.h"
+#include "averaged_body.h"
 
 #include <algorithm>
 #include <array>
