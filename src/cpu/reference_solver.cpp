@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reference_solver.h"
+#include "cpu_backends.h"
 
 #include <phymul/backend.h>
 #include <phymul/elasticity.h>

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <utility>
 
-#include "balanced_masses.h"
 #include "base/decimal.h"
 #include "cell_geometry.h"
 #include "group.h"

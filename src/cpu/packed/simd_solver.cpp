@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "simd_solver.h"
+#include "cpu/cpu_backends.h"
 
 #include <phymul/backend.h>
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "context.h"
 #include "gl_api.h"
 
 namespace phymul::gl {
@@ -107,6 +108,15 @@ bool was_reset(const ContextInfo& info) {
   }
   const auto query = reinterpret_cast<GLenum(GLAPIENTRY*)()>(eglGetProcAddress(name));
   return query && query() != GL_NO_ERROR;
+}
+
+bool Context::lost() noexcept {
+  if (lost_) return true;
+  try {
+    lost_ = run([this] { return was_reset(info_); });
+  } catch (...) {  // a context that cannot be made current is not therefore lost; call() has noted it if it is
+  }
+  return lost_;
 }
 
 }  // namespace phymul::gl
