@@ -28,7 +28,7 @@
 #include <vector>
 
 #include "fine_parts.h"
-#include "part_of_body.h"
+#include "material_spectra.h"
 
 namespace phymul {
 

@@ -15,7 +15,6 @@
 #include "simulation_parts.h"
 #include "snapshot_bytes.h"
 #include "solver/solver_input.h"
-#include "warnings.h"
 
 namespace phymul {
 namespace {

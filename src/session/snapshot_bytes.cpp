@@ -11,7 +11,6 @@
 #include "base/fnv.h"
 #include "cut_bytes.h"
 #include "scene_bytes.h"
-#include "thread_bytes.h"
 
 namespace phymul {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "interaction/joint_spring.h"
+#include "interaction/joint_set.h"
 #include "scene/anchor_place.h"
 
 namespace phymul {

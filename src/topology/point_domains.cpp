@@ -12,7 +12,6 @@
 
 #include "averaged_body.h"
 #include "base/decimal.h"
-#include "bending.h"
 #include "body_frames.h"
 #include "model/point_cells.h"
 

@@ -21,7 +21,6 @@
 #include "packed_local_steps.h"
 #include "packed_state.h"
 #include "packed_tools.h"
-#include "part_summary.h"
 #include "simd_profile.h"
 #include "solver/step_order.h"
 
