@@ -16,7 +16,6 @@
 #include "simulation_parts.h"
 #include "statics/idle_motions.h"
 #include "statics/multigrid.h"
-#include "statics/rest_joints.h"
 #include "statics/rest_search.h"
 #include "statics/rest_tools.h"
 #include "statics/wall_rest.h"

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "device/float_dissipation.h"
+#include "device/float_domains.h"
 #include "device/float_tables.h"
 #include "kernels.h"
 #include "texels.h"

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include "gl/objects/mapped_buffer.h"
+#include "gl/objects/handle.h"
 
 namespace phymul::gl {
 namespace {
