@@ -47,8 +47,8 @@ struct Simulation::Parts {
   /// `removed`: ascending. Where the solver refuses it, the body stays as it was.
   void set_body(const std::vector<Index>& removed, const BodyCuts& cuts);
   void change_body(const std::vector<Index>& removed, const BodyCuts& cuts);
-  void state_changed(std::vector<Snapshot::CutLater> left = {});  ///< by something that the recorder does not see
-  void begin_history_anew();                                      ///< at the present state
+  void state_changed();       ///< by something that the recorder does not see
+  void begin_history_anew();  ///< at the present state
 
   StepReport step(int n, double dt);
   bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed

@@ -26,6 +26,7 @@ struct RestThresholds {
   double speed = 0.0;         ///< m/s
   double acceleration = 0.0;  ///< m/s^2
 };
+inline constexpr RestThresholds never_at_rest{-1.0, -1.0};
 
 /// A friend of the backend.
 struct StepOrder {

@@ -282,8 +282,10 @@ class SimdSolver final : public SolverBackend {
     laps_.end_step(!tools_.set().empty(), tools_.touches());
   }
 
-  static RestThresholds rest_now(const StepPlan& plan, const Motion& motion) {
-    return rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, motion.max_displacement, plan.omega_max);
+  RestThresholds rest_now(const StepPlan& plan, const Motion& motion) const {
+    const RestThresholds rest =
+        rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, motion.max_displacement, plan.omega_max);
+    return tools_.flow() > rest.speed ? never_at_rest : rest;
   }
 
   simd::MoveSummary moved() const { return sleep_ ? sleep_->summary() : summary_of(summaries_); }
