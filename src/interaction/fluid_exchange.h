@@ -56,7 +56,7 @@ inline double fluid_pressure(const Fluid& fluid, double r) {
 
 /// Of what there is, that no step lets out; and of VolumeConstraint::volume, so that what is pressed out does not become
 /// 0 in many steps.
-inline constexpr double least_left = 1e-3, least_of_whole = 1e-6;
+inline constexpr double least_left = 1e-3, least_of_whole = 1e-10;
 
 /// Of a push s: s / dt^2 is the pressure of the step.
 struct FluidPush {
