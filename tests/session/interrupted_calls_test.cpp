@@ -110,7 +110,7 @@ TEST(InterruptedCalls, ARecordingThatIsRefusedLeavesTheSceneAsItWas) {
   const std::string scene = scene_change_bytes(sim.scene(), {}, true);
   const Snapshot before = sim.snapshot();
   EXPECT_TRUE(refuses([&] { sim.replay(recording); }, "expected a solver with stable_step()"));
-  EXPECT_EQ(scene_change_bytes(sim.scene(), {}, true), scene);
+  EXPECT_TRUE(scene_change_bytes(sim.scene(), {}, true) == scene);
   EXPECT_EQ(sim.snapshot(), before);
 }
 
@@ -245,7 +245,13 @@ TEST_P(Remainders, AddUpToAStep) {
   Simulation sim(make_block({0.04, 0.04, 0.04}, 3, 3, 3), {.material = soft_tissue(), .backend = GetParam()});
   sim.scene().fix("z0").gravity({0, 0, -9.81});
   const double dt = sim.advance(1e-3).dt;
-  for (int k = 0; k < 14; ++k) EXPECT_EQ(sim.step(2, 4e-8 * dt).steps, k < 12 ? 0 : 2) << k;
+  Snapshot half_way;
+  for (int k = 0; k < 14; ++k) {
+    if (k == 6) half_way = sim.snapshot();
+    EXPECT_EQ(sim.step(2, 4e-8 * dt).steps, k < 12 ? 0 : 2) << k;
+  }
+  sim.restore(half_way);
+  for (int k = 6; k < 14; ++k) EXPECT_EQ(sim.step(2, 4e-8 * dt).steps, k < 12 ? 0 : 2) << k;
 }
 
 PHYMUL_ON_EVERY_BACKEND(Remainders);
