@@ -136,9 +136,9 @@ bool Simulation::Parts::divide(StepReport& report) {
   if (report.ok()) cut_with_blades(report);
   report.cut_later = static_cast<int>(waiting.size());
   if (report.ok()) tear(report);
-  const bool changed = topology->cuts.size() != before;
-  if (changed) report.at_rest = false;  // that was said of what was whole
-  return changed;
+  const bool goes_on = topology->cuts.size() != before || !waiting.empty();
+  if (goes_on) report.at_rest = false;  // that was said of what was whole
+  return goes_on;
 }
 
 RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {

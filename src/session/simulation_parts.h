@@ -51,7 +51,7 @@ struct Simulation::Parts {
   void begin_history_anew();  ///< at the present state
 
   StepReport step(int n, double dt);
-  bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed
+  bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed, or is to
   void cut_with_blades(StepReport& report);
   void cut_waiting(StepReport& report);
   void follow_waiting(const BodyCuts& before);  ///< to the cuts that the body has now

@@ -243,5 +243,18 @@ TEST(AskedBetweenSteps, WhatABudgetLeavesStays) {
   }
 }
 
+/// Of two cells the first does not part any more.
+TEST(AskedBetweenSteps, NothingRestsWhileACellWaits) {
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 3), 100),
+                 {.material = asked_tissue, .backend = "reference", .tick_budget = 1});
+  sim.scene().fix("z0");
+  Snapshot start = sim.snapshot();
+  start.start.cut_later = {{.cell = 0, .cut = {1.0, 1.0, 1.0, 1.0}}, {.cell = 40, .cut = {-1e-3, 1e-3, 1e-3, 1e-3}}};
+  sim.restore(start);
+  EXPECT_TRUE(sim.run_to_rest(20'000).converged());
+  EXPECT_EQ(sim.cuts().size(), 1u);
+  EXPECT_EQ(sim.advance(0.0).cut_later, 0);
+}
+
 }  // namespace
 }  // namespace phymul::test
