@@ -165,8 +165,8 @@ class Simulation {
   /// rewind() also bring back the scene's tools, joints and threads: they remove those that were added since, add those
   /// that were removed, and undo the changes of a JointHandle or ThreadHandle (Scene::bring_back(), which says which
   /// handles stay valid). Loads, gravity, contacts, volume constraints and factors of stiffness stay as they are. To
-  /// start from positions alone, with what the scene has, call set_state(). A snapshot does not have clamps of threads and
-  /// volumes that no step has applied yet. They throw Error as Solver::restore(), save_state() and load_state() do.
+  /// start from positions alone, with what the scene has, call set_state(). A snapshot does not have clamps of threads
+  /// and volumes that no step has applied yet. They throw Error as Solver::restore(), save_state() and load_state() do.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
   void save(const std::string& path) const;

@@ -198,8 +198,7 @@ class ReferenceSolver final : public SolverBackend {
     laps_->end(checks_row_);
   }
   RestThresholds rest_now(const StepPlan& plan, const Motion& /*motion*/) const {
-    return touching_.flow() > plan.speed_at_rest ? never_at_rest
-                                                 : RestThresholds{plan.speed_at_rest, plan.acceleration_at_rest};
+    return with_flow(touching_.flow(), {plan.speed_at_rest, plan.acceleration_at_rest});
   }
   void do_read(State& state) const override {
     state = state_;

@@ -54,8 +54,7 @@ inline double fluid_pressure(const Fluid& fluid, double r) {
   return 0.0;
 }
 
-/// Of what there is, that no step lets out; and of VolumeConstraint::volume, so that what is pressed out does not become
-/// 0 in many steps.
+/// Of what there is, that no step lets out; and of VolumeConstraint::volume, so that many steps do not let out all.
 inline constexpr double least_left = 1e-3, least_of_whole = 1e-10;
 
 /// Of a push s: s / dt^2 is the pressure of the step.
@@ -74,7 +73,7 @@ struct FluidPush {
   }
   /// The push at a pressure at the end.
   double push(double p) const { return has_law() ? 0.25 * dt * dt * (p + 2.0 * now + before) : dt * dt * p; }
-  double per_push() const { return (has_law() ? 4.0 : 1.0) / (dt * dt); }  ///< Pa
+  double per_push() const { return (has_law() ? 4.0 : 1.0) / (dt * dt); }                                   ///< Pa
   double least() const { return std::min(std::max(least_left * volume, least_of_whole * whole), volume); }  ///< m^3
   /// m^3, without pressure, at the end.
   double left(double s) const {

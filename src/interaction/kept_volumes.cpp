@@ -229,8 +229,7 @@ FluidPush KeptVolumes::predicted(Surface& surface, TouchedParticles& touched) {
     const bool held = copy != nullptr && copy->held;
     surface.along[k] = held ? Vec3(Vec3::Zero()) : Vec3(touched.inverse_mass(particle) * surface.gradient[k]);
   }
-  FluidPush push{
-      .fluid = surface.law, .volume = surface.now.volume, .dt = touched.dt(), .whole = surface.whole};
+  FluidPush push{.fluid = surface.law, .volume = surface.now.volume, .dt = touched.dt(), .whole = surface.whole};
   if (push.has_law()) {
     push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
     push.before = surface.has_pressure ? surface.now.pressure_before : push.now;

@@ -26,7 +26,7 @@ class KeptVolumes {
 
   /// After all else that acts on the step. The row of a volume that cannot be restored; -1: none.
   int act(TouchedParticles& touched);
-  bool is_finite() const;                             ///< the fluids at the end of the step
+  bool is_finite() const;  ///< the fluids at the end of the step
   /// m/s: speed of the walls of a cube of VolumeConstraint::volume, or the fastest of several, that would take up what
   /// flowed in the last step that counts. Of held walls, too.
   double flow() const { return flow_; }
