@@ -121,11 +121,11 @@ struct Simulation::Parts {
   /// `removed`: ascending. Where the solver refuses it, the body stays as it was.
   void set_body(const std::vector<Index>& removed, const BodyCuts& cuts);
   void change_body(const std::vector<Index>& removed, const BodyCuts& cuts);
-  void state_changed(std::vector<Snapshot::CutLater> left = {});  ///< by something that the recorder does not see
-  void begin_history_anew();                                      ///< at the present state
+  void state_changed();       ///< by something that the recorder does not see
+  void begin_history_anew();  ///< at the present state
 
   StepReport step(int n, double dt);
-  bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed
+  bool divide(StepReport& report);  ///< cuts and tears after the steps of a call; whether the body changed, or is to
   void cut_with_blades(StepReport& report);
   void cut_waiting(StepReport& report);
   void follow_waiting(const BodyCuts& before);  ///< to the cuts that the body has now

@@ -138,7 +138,6 @@ class ThreadPath {
   bool is_finite() const;  ///< what accept() would keep
   void accept() {
     state_ = next_;
-    tied_.clear();
     before_.reset();
   }
   bool drop();  ///< the step does not count; true where append() is undone
@@ -155,6 +154,9 @@ class ThreadPath {
   void take_from_tails(double length);
   void give_to_tails(double length);
   void take_over_knots();
+  template <class Is>
+  void drop_knots(const Is& is);
+  void tie_again(const std::vector<Knot>& knots);
   void list_pieces(const std::array<Outside, 2>& tips);
   void push(TouchedParticles& touched);
   void move_rest_length();
@@ -167,7 +169,6 @@ class ThreadPath {
   std::vector<Anchor> passages_;
   bool known_ = false;  // control_ is the scene's
   ThreadControl control_;
-  std::vector<Knot> tied_;  // since the last step
   ThreadState state_, next_;
   std::optional<ThreadState> before_;  // the first append() of the step
   // Of the step. Points are 0 ... segments; passage p is point p + 1, between pieces p and p + 1.
