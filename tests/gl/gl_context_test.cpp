@@ -15,6 +15,7 @@
 
 #include "gl/context/context.h"
 #include "gl/context/gl_api.h"
+#include "gl/context/guard_state.h"
 #include "gl/objects/pass.h"
 #include "support/gl_fixture.h"
 #include "support/heap_in_use.h"
@@ -251,6 +252,33 @@ TEST_F(GlObjects, ShaderErrorsNameFileAndLine) {
                    "faulty.glsl:4", "thrice"));
   const std::string absent = message_in_context([&] { Pass(library, {.files = {"absent.glsl"}, .defines = {}}); });
   EXPECT_TRUE(says(absent, "absent.glsl could not be read"));
+}
+
+/// Also where the driver binds more: StateGuard saves no others.
+TEST_F(GlObjects, PassesThatReadMoreTexturesThanEveryDriverBindsAreRefused) {
+  const TextFile cover("dialect/cover_target.glsl", "void main() { gl_Position = vec4(0.0); }\n");
+  const std::string folder = std::filesystem::path(cover.path()).parent_path().parent_path().string();
+  std::vector<std::string> names;
+  std::string samplers = "out vec4 o;\n", sum = "vec4(0.0)";
+  for (int k = 0; k <= StateGuard::texture_units; ++k) {
+    names.push_back("table_" + std::to_string(k));
+    samplers += "uniform sampler2D " + names.back() + ";\n";
+    sum += " + texelFetch(" + names.back() + ", ivec2(0), 0)";
+  }
+  if (context_->run([] { return integer_of(GL_MAX_TEXTURE_IMAGE_UNITS); }) == StateGuard::texture_units) {
+    GTEST_SKIP() << "NOT TESTED: the driver itself refuses such a shader";
+  }
+  const TextFile greedy("greedy.glsl", samplers + "void main() { o = " + sum + "; }\n");
+  const ShaderLibrary library(folder, context_->info().es);
+  context_->run([&] {
+    Pass pass(library, {.files = {"greedy.glsl"}, .defines = {}});
+    const Texture table = Texture::target(1, "a table");
+    const std::string last = names.back();
+    names.pop_back();
+    for (const std::string& name : names) pass.input(name.c_str(), table);
+    EXPECT_EQ(message_of([&] { pass.input(last.c_str(), table); }),
+              "greedy reads more than the 16 textures that every driver binds at a time");
+  });
 }
 
 TEST(ShaderLibraryLog, PlacesOfThreeDriversAreRead) {

@@ -85,7 +85,6 @@ ContextInfo read_context_info() {
   info.max_texture_size = integer_of(GL_MAX_TEXTURE_SIZE);
   info.max_color_attachments = integer_of(GL_MAX_COLOR_ATTACHMENTS);
   info.max_draw_buffers = integer_of(GL_MAX_DRAW_BUFFERS);
-  info.max_texture_units = integer_of(GL_MAX_TEXTURE_IMAGE_UNITS);
   info.has_robustness =
       can_report_reset(info) && integer_of(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
   forget_errors();
