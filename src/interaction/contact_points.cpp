@@ -78,6 +78,7 @@ struct Part {
 
   /// Cuts off where a function that is linear in the shares, of these values at the triangle's corners, is negative.
   void keep_positive(const Vec3& values) {
+    if (values.minCoeff() >= 0.0) return;
     std::array<Vec3, 9> kept;
     std::size_t n = 0;
     const auto keep = [&](const Vec3& at) {
@@ -155,25 +156,46 @@ ContactPoints make_contact_points(const ContactSurface& surface, double least_ra
   return made;
 }
 
-PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area) {
-  // Of the way to the part's middle: where two faces are equally near, each presses its own part.
-  constexpr double inward = 0.125;
-  std::array<Vec3, 6> depth;  // of the corners, below each face
+namespace {
+
+/// m: of the corners, below each face, by twice its axis, one more at the low end.
+std::array<Vec3, 6> depths_in(const BoxPlanes& box, const std::array<Vec3, 3>& corner) {
+  std::array<Vec3, 6> depth;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 along(corner[0][axis], corner[1][axis], corner[2][axis]);
     depth[2 * axis] = Vec3::Constant(box.high[axis]) - along;
     depth[2 * axis + 1] = along - Vec3::Constant(box.low[axis]);
   }
-  if (std::ranges::any_of(depth, [](const Vec3& d) { return d.maxCoeff() <= 0.0; })) return;
-  for (const Vec3& own : depth) {
+  return depth;
+}
+
+/// Calls visit(face, part) for each part whose nearest surface is one face.
+template <class Visit>
+void for_each_part(const std::array<Vec3, 6>& depth, const Visit& visit) {
+  double least = std::numeric_limits<double>::infinity();  // of what the triangle's corners are below a face at most
+  for (const Vec3& own : depth) least = std::min(least, own.maxCoeff());
+  if (least <= 0.0) return;
+  const auto is_near = [&](const Vec3& own) { return own.minCoeff() <= least; };  // else another one is nearer all over
+  for (std::size_t face = 0; face < depth.size(); ++face) {
+    const Vec3& own = depth[face];
     const auto hides = [&](const Vec3& other) { return &other != &own && (other - own).maxCoeff() <= 0.0; };
-    if (std::ranges::any_of(depth, hides)) continue;
+    if (!is_near(own) || std::ranges::any_of(depth, hides)) continue;
     Part part{.corner = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
     part.keep_positive(own);
     for (const Vec3& other : depth) {
-      if (&other != &own) part.keep_positive(other - own);
+      if (&other != &own && is_near(other)) part.keep_positive(other - own);
     }
-    if (part.count < 3) continue;
+    if (part.count >= 3) visit(face, part);
+  }
+}
+
+}  // namespace
+
+PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area) {
+  // Of the way to the part's middle: where two faces are equally near, each presses its own part.
+  constexpr double inward = 0.125;
+  const std::array<Vec3, 6> depth = depths_in(box, corner);
+  for_each_part(depth, [&](std::size_t face, const Part& part) {
     const Vec3 middle = part.middle();
     std::array<double, 9> share{};
     for (std::size_t k = 0; k < part.count; ++k) {
@@ -182,12 +204,57 @@ PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner
       share[k] += 0.5 * between;
       share[next] += 0.5 * between;
     }
+    const std::size_t first = count;
     for (std::size_t k = 0; k < part.count; ++k) {
       const Vec3 at = part.corner[k] + inward * (middle - part.corner[k]);
-      const double load = area * share[k] * own.dot(at);
+      const double load = area * share[k] * depth[face].dot(at);
       if (load > 0.0) points[count++] = {.share = {at[0], at[1], at[2]}, .load = load};
     }
-  }
+    const std::size_t axis = face / 2;
+    if (count == first) return;
+    faces[face_count++] = face % 2 == 0 ? Face{static_cast<int>(axis), 1.0, box.high[axis]}
+                                        : Face{static_cast<int>(axis), -1.0, -box.low[axis]};
+  });
+}
+
+void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area, int only,
+                     const std::function<void(const DepthPoint&)>& visit) {
+  const std::array<Vec3, 6> depth = depths_in(box, corner);
+  const auto add_line = [&](int face, int other, const Vec3& from, const Vec3& to) {
+    const Vec3 apart = depth[static_cast<std::size_t>(face)] - depth[static_cast<std::size_t>(other)];
+    const double steep = (apart.head<2>() - Eigen::Vector2d::Constant(apart[2])).norm();
+    const double around = 1e-9 * apart.cwiseAbs().maxCoeff();
+    if (!(steep > 0.0) || std::abs(apart.dot(from)) > around || std::abs(apart.dot(to)) > around) return;
+    // Two points of Gauss; half, because the other face's part has the line too.
+    for (const double at : {0.5 - std::sqrt(1.0 / 12.0), 0.5 + std::sqrt(1.0 / 12.0)}) {
+      const Vec3 share = from + at * (to - from);
+      visit({.share = {share[0], share[1], share[2]},
+             .depth = depth[static_cast<std::size_t>(face)].dot(share),
+             .face = face,
+             .other_face = other,
+             .line_weight = 0.5 * area * (to - from).head<2>().norm() / steep});
+    }
+  };
+  const auto add = [&](std::size_t face, const Part& part) {
+    const int own = static_cast<int>(face);
+    for (std::size_t k = 2; k < part.count; ++k) {
+      const std::array<Vec3, 3> at{part.corner[0], part.corner[k - 1], part.corner[k]};
+      const double third = area / 3.0 * Part::share_of(at[0], at[1], at[2]);
+      for (std::size_t side = 0; side < 3; ++side) {
+        const Vec3 share = 0.5 * (at[side] + at[(side + 1) % 3]);
+        visit({.share = {share[0], share[1], share[2]}, .weight = third, .depth = depth[face].dot(share), .face = own});
+      }
+    }
+    for (int other = 0; only < 0 && other < 6; ++other) {
+      for (std::size_t k = 0; other != own && k < part.count; ++k) {
+        add_line(own, other, part.corner[k], part.corner[part.after(k)]);
+      }
+    }
+  };
+  if (only < 0) return for_each_part(depth, add);
+  Part part{.corner = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
+  part.keep_positive(depth[static_cast<std::size_t>(only)]);
+  add(static_cast<std::size_t>(only), part);
 }
 
 ContactPoints make_contact_points(const ContactSurface& surface, const Tool& tool) {

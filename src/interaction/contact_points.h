@@ -8,6 +8,7 @@
 #include <phymul/tool.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -49,16 +50,39 @@ struct BoxPlanes {
 /// that lies wholly before one face are near its own corners.
 struct PointsInBox {
   struct Point {
-    ContactPoints::Shares share{};
-    double load = 0.0;  // m^3: its area times its depth
+    ContactPoints::Shares share;
+    double load;  // m^3: its area times its depth
+  };
+  struct Face {  // of the box, that is the nearest surface to some of the triangle
+    int axis;
+    double side, plane;  // 1 or -1, and m: the place q is `plane - side q[axis]` below it
   };
   static constexpr std::size_t most = 54;  // six faces; each of six planes adds a corner at the most to three
   std::array<Point, most> points;
-  std::size_t count = 0;
+  std::array<Face, 6> faces;
+  std::size_t count = 0, face_count = 0;
 
   /// `corner`, m: of the triangle, in the box's frame; `area`, m^2: of the triangle.
   PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area);
 };
+
+/// A point of a triangle at which integrals over its depth in a box are evaluated.
+struct DepthPoint {
+  ContactPoints::Shares share{};
+  double weight = 0.0;  // m^2: of the integral over the area; 0: of a line
+  double depth = 0.0;   // m
+  int face = 0;         // twice the axis of the nearest face, one more at the low end
+  // A line between parts whose nearest surfaces are two faces: the integral of `depth` times Dirac's function of the
+  // difference of both depths. m^2.
+  int other_face = -1;
+  double line_weight = 0.0;
+};
+
+/// Calls visit(DepthPoint): the integral of the squared depth has the first derivatives of the sum over points, and
+/// with those of lines, by minus the square of what the difference of both depths changes, the second. Exact. `area`:
+/// m^2, of the triangle. `only`: a face that is taken for the nearest one everywhere, -1: none.
+void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area, int only,
+                     const std::function<void(const DepthPoint&)>& visit);
 
 /// As the tool's radius and margin ask for.
 ContactPoints make_contact_points(const ContactSurface& surface, const Tool& tool);

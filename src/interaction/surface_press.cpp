@@ -49,7 +49,11 @@ SurfacePress::SurfacePress(const ContactSurface& surface, const Model& model, co
   corners_.reserve(model.rest.size());
   loaded_.reserve(model.rest.size());
   near_.reserve(points_.patches.size());
-  pressed_.reserve(std::max(points_.most_points, PointsInBox::most * points_.patches.size()) + model.rest.size());
+  met_.reserve(points_.patches.size());
+  pressed_.reserve(points_.most_points + model.rest.size());
+  const std::size_t over_edges = std::holds_alternative<Box>(tool.shape) ? points_.patches.size() : 0;
+  below_.reserve(over_edges);
+  below_points_.reserve(PointsInBox::most * over_edges);
   for (const ContactPoints::Patch& patch : points_.patches) {
     for (const Index a : patch.particles()) {
       for (const Index b : patch.particles()) {
@@ -161,43 +165,69 @@ Vec3 SurfacePress::mean(const ContactPoints::Shares& share, const Corners& of, V
   return sum;
 }
 
+void SurfacePress::load(const Corners& of, const ContactPoints::Shares& share, double load) {
+  for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * load;
+}
+
 /// Keeps a point that is in the tool at the step's end.
 void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share,
                         double area) {
   const Vector3<double> from = unpacked(mean(share, of, &Corner::from)), to = unpacked(mean(share, of, &Corner::to));
   const double depth = depth_of(shape, from, to, to - from).depth;
-  if (depth > 0.0) keep(of, share, from, area * depth, {});
+  if (!(depth > 0.0)) return;
+  pressed_.push_back({of, share, from, area * depth});
+  load(of, share, area * depth);
 }
 
-void SurfacePress::keep(const Corners& of, const ContactPoints::Shares& share, const Vector3<double>& from, double load,
-                        const std::optional<BoxPlanes>& box) {
-  pressed_.push_back({of, share, from, load, box});
-  for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * load;
-}
-
-/// Finds the points that touch, their load on each particle, and what that makes of them.
-void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
-                                TouchedParticles& touched) {
+/// Finds the patches that may touch.
+void SurfacePress::meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+                        const TouchedParticles& touched) {
   corners_.clear();
   loaded_.clear();
-  pressed_.clear();
+  met_.clear();
   for (const Index row : near_) {
     const Corners of = corners_of(row, start, end, touched);
     if (!may_touch(shape, of, 0.0)) continue;
     const ContactPoints::Patch& patch = points_.patches[row];
-    const bool triangle = of.count == 3 && !patch.of_cut_cell;
-    const auto box = triangle && shape.kind == ShapeKind::box ? planes_for(shape, of) : std::nullopt;
-    const double area = patch.area * static_cast<double>(patch.points->size());
-    if (box ? is_before_one_face(*box, of) : triangle && shape.kind == ShapeKind::half_space) {
+    const bool is_triangle = of.count == 3 && !patch.of_cut_cell;
+    met_.push_back({of, &patch, is_triangle});
+    if (is_triangle && shape.kind == ShapeKind::box) met_.back().box = planes_for(shape, of);
+  }
+  for (const Corner& corner : corners_) corner_of_[corner.row] = -1;
+}
+
+SurfacePress::Crowd SurfacePress::crowd_of(const Corners& of, const ContactPoints::Shares& share, double load) const {
+  Crowd sum;
+  for (std::size_t c = 0; c < of.rows().size(); ++c) {
+    const Corner& corner = corners_[of.row[c]];
+    sum.inverse_mass += share[c] * corner.load / load * corner.inverse_mass;
+    sum.crowd += share[c] * corner.load / load;
+  }
+  return sum;
+}
+
+/// Finds the points that touch, their load on each particle, and what that makes of them.
+void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<double>& law, TouchedParticles& touched) {
+  const double dt = touched.dt();
+  pressed_.clear();
+  below_.clear();
+  below_points_.clear();
+  for (Corner& corner : corners_) corner.load = corner.area = 0.0;
+  for (const Met& met : met_) {
+    const auto& [of, patch, is_triangle, box] = met;
+    const double area = patch->area * static_cast<double>(patch->points->size());
+    if (box ? is_before_one_face(*box, of) : is_triangle && shape.kind == ShapeKind::half_space) {
       for (const std::size_t c : of.rows()) corners_[c].area += area / 3.0;
     } else if (box && shape.margin == 0.0) {
-      const auto at = [&](std::size_t c) -> const Vec3& { return corners_[of.row[c]].to; };
-      const PointsInBox in(*box, {at(0), at(1), at(2)}, area);
+      const PointsInBox in(*box, {corners_[of.row[0]].to, corners_[of.row[1]].to, corners_[of.row[2]].to}, area);
+      const std::size_t first = below_points_.size();
       for (const PointsInBox::Point& point : std::span(in.points).first(in.count)) {
-        keep(of, point.share, unpacked(mean(point.share, of, &Corner::from)), point.load, box);
+        below_points_.push_back({{point}});
+        load(of, point.share, point.load);
       }
+      if (in.count > 0) below_.push_back({of, in.faces, in.face_count, first, below_points_.size()});
     } else {
-      for (const ContactPoints::Shares& share : *patch.points) find(shape, of, share, patch.area);
+      for (const ContactPoints::Shares& share : *patch->points) find(shape, of, share, patch->area);
     }
   }
   // The same corner of several triangles is one point.
@@ -206,18 +236,19 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
   }
   for (std::size_t k = 0; k < corners_.size(); ++k) {
     Corner& corner = corners_[k];
-    corner_of_[corner.row] = -1;
-    if (!(corner.load > 0.0)) continue;
+    if (!(corner.load > 0.0) || corner.slot) continue;
     loaded_.push_back(k);
     corner.slot = touched.slot(corner.row);
-    const TouchedParticles::Touched& particle = touched[corner.slot];
+    const TouchedParticles::Touched& particle = touched[*corner.slot];
     corner.inverse_mass = particle.held || particle.fixed == 7 ? 0.0 : particle.inverse_mass;
   }
-  for (Pressed& point : pressed_) {
-    for (std::size_t c = 0; c < point.corner.rows().size(); ++c) {
-      const Corner& corner = corners_[point.corner.row[c]];
-      point.inverse_mass += point.share[c] * corner.load / point.load * corner.inverse_mass;
-      point.crowd += point.share[c] * corner.load / point.load;
+  for (Pressed& point : pressed_) point.crowd = crowd_of(point.corner, point.share, point.load);
+  for (const Below& below : below_) {
+    for (std::size_t k = below.first; k < below.last; ++k) {
+      const auto [inverse_mass, crowd] = crowd_of(below.corner, below_points_[k].share, below_points_[k].load);
+      if (!(inverse_mass > 0.0)) continue;
+      below_points_[k].inverse_mass = inverse_mass;
+      below_points_[k].gain = dt / (law.compliance * crowd + dt * dt * inverse_mass);
     }
   }
 }
@@ -225,51 +256,68 @@ void SurfacePress::find_pressed(const ShapeIn<double>& shape, const ToolFrame& s
 /// Particles take nothing before hand_over(). m, how deep the point was; 0: there is nothing for them.
 double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point,
                            double dt) {
-  if (!(point.inverse_mass > 0.0)) return 0.0;
-  if (point.box) return press_below(*point.box, shape, law, point, dt);
+  const auto [inverse_mass, crowd] = point.crowd;
+  if (!(inverse_mass > 0.0)) return 0.0;
   const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
   const Depth<double> in = depth_of(shape, point.from, to, to - point.from);
   if (!(in.depth > 0.0)) return 0.0;
   ContactLaw<double> own_law = law;
-  own_law.friction = 0.0;             // rub(): so the point's way does not count
-  own_law.compliance *= point.crowd;  // so that a patch that moves as one is as compliant as its particles
-  const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, {}, point.inverse_mass, dt);
+  own_law.friction = 0.0;       // rub(): so the point's way does not count
+  own_law.compliance *= crowd;  // so that a patch that moves as one is as compliant as its particles
+  const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, {}, inverse_mass, dt);
   for (std::size_t c = 0; c < point.corner.rows().size(); ++c) {
     Corner& corner = corners_[point.corner.row[c]];
     corner.impulse += point.share[c] * packed(touch.impulse);
-    corner.shift += point.share[c] / point.inverse_mass * packed(touch.shift);
+    corner.shift += point.share[c] / inverse_mass * packed(touch.shift);
   }
   return in.depth;
 }
 
-/// The same for a point of PointsInBox, in few operations: its normal is one of the box's axes.
-double SurfacePress::press_below(const BoxPlanes& box, const ShapeIn<double>& shape, const ContactLaw<double>& law,
-                                 const Pressed& point, double dt) {
-  Corner &a = corners_[point.corner.row[0]], &b = corners_[point.corner.row[1]], &c = corners_[point.corner.row[2]];
-  const double of_a = point.share[0], of_b = point.share[1], of_c = point.share[2];
-  const Vec3 off = of_a * a.to + of_b * b.to + of_c * c.to - 0.5 * (box.low + box.high);
-  const Vec3 above = off.cwiseAbs() - 0.5 * (box.high - box.low);
-  const int axis = above[0] >= above[1] && above[0] >= above[2] ? 0 : above[1] >= above[2] ? 1 : 2;
-  const double depth = -above[axis], side = off[axis] < 0.0 ? -1.0 : 1.0;
-  if (!(depth > 0.0)) return 0.0;
-  double before = 0.0;
-  if (law.placed && law.compliance == 0.0) before = std::clamp(-distance_to(shape, point.from).phi, 0.0, depth);
-  const double impulse = side * ((depth - before) * dt / (law.compliance * point.crowd + dt * dt * point.inverse_mass));
-  a.impulse[axis] += of_a * impulse;
-  b.impulse[axis] += of_b * impulse;
-  c.impulse[axis] += of_c * impulse;
-  if (before > 0.0) {
-    a.shift[axis] += of_a / point.inverse_mass * (side * before);
-    b.shift[axis] += of_b / point.inverse_mass * (side * before);
-    c.shift[axis] += of_c / point.inverse_mass * (side * before);
+/// The same for points of PointsInBox, in few operations. What is no longer in the box is pressed no more.
+double SurfacePress::press_below(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Below& below) {
+  const bool comes_out = law.placed && law.compliance == 0.0;
+  const auto corner = [&](int c) -> Corner& { return corners_[below.corner.row[static_cast<std::size_t>(c)]]; };
+  std::array<Vec3, 6> depth, impulse, shift;  // of the corners, along each face's normal
+  for (std::size_t f = 0; f < below.face_count; ++f) {
+    const auto [axis, side, plane] = below.faces[f];
+    for (int c = 0; c < 3; ++c) depth[f][c] = plane - side * corner(c).to[axis];
+    impulse[f] = shift[f] = Vec3::Zero();
   }
-  return depth;
+  double deepest = 0.0;
+  for (std::size_t k = below.first; k < below.last; ++k) {
+    const BelowPoint& own = below_points_[k];
+    const Eigen::Map<const Vec3> share(own.share.data());
+    double deep = share.dot(depth[0]);
+    std::size_t nearest = 0;
+    for (std::size_t f = 1; f < below.face_count; ++f) {
+      const double other = share.dot(depth[f]);
+      if (other < deep) deep = other, nearest = f;
+    }
+    if (!(deep > 0.0) || own.gain == 0.0) continue;
+    deepest = std::max(deepest, deep);
+    double before = 0.0;
+    if (comes_out) {
+      const Vec3 from = share[0] * corner(0).from + share[1] * corner(1).from + share[2] * corner(2).from;
+      before = std::clamp(-distance_to(shape, unpacked(from)).phi, 0.0, deep);
+      shift[nearest] += before / own.inverse_mass * share;
+    }
+    impulse[nearest] += (deep - before) * own.gain * share;
+  }
+  if (deepest == 0.0) return 0.0;
+  for (int c = 0; c < 3; ++c) {
+    for (std::size_t f = 0; f < below.face_count; ++f) {
+      const auto [axis, side, plane] = below.faces[f];
+      corner(c).impulse[axis] += side * impulse[f][c];
+      corner(c).shift[axis] += side * shift[f][c];
+    }
+  }
+  return deepest;
 }
 
 /// An impulse and a shift, in the tool's frame, to a particle that can take it.
 void SurfacePress::give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
                         TouchedParticles& touched) {
-  TouchedParticles::Touched& particle = touched[corner.slot];
+  TouchedParticles::Touched& particle = touched[*corner.slot];
   const Vec3 given = TouchedParticles::push(particle, end.turn * impulse);
   const Vec3 by = particle.free_part(end.turn * shift);
   particle.shift += by;
@@ -303,7 +351,7 @@ void SurfacePress::rub(double friction, const ToolFrame& end, TouchedParticles& 
     if (size > most) wanted *= most / size;
     give(corner, wanted - corner.rubbed, Vec3::Zero(), end, touched);
     corner.rubbed = wanted;
-    touched[corner.slot].rubbed = friction * (end.turn * normal);
+    touched[*corner.slot].rubbed = friction * (end.turn * normal);
   }
 }
 
@@ -311,11 +359,14 @@ void SurfacePress::rub(double friction, const ToolFrame& end, TouchedParticles& 
 double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                                const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
   const double dt = touched.dt();
-  find_pressed(shape, start, end, touched);
+  meet(shape, start, end, touched);
   double deepest = 0.0;
-  for (int round = 0; round < rounds_of_surface(law.placed, shape.kind); ++round) {
+  const int rounds = rounds_of_surface(law.placed, shape.kind);
+  for (int round = 0; round < rounds; ++round) {
+    if (round % (rounds / looks_of_surface(shape.kind)) == 0) find_points(shape, law, touched);
     double deep = 0.0;
     for (const Pressed& point : pressed_) deep = std::max(deep, press(shape, law, point, dt));
+    for (const Below& below : below_) deep = std::max(deep, press_below(shape, law, below));
     if (deep == 0.0) break;
     deepest = std::max(deepest, deep);
     hand_over(end, touched);
@@ -324,7 +375,7 @@ double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<do
   for (const std::size_t k : loaded_) {
     const Corner& corner = corners_[k];
     if (corner.given == Vec3::Zero()) continue;
-    TouchedParticles::Touched& particle = touched[corner.slot];
+    TouchedParticles::Touched& particle = touched[*corner.slot];
     react(force, end, particle.position, corner.given + dt * TouchedParticles::borne(particle, corner.given), dt);
   }
   return deepest;

@@ -55,6 +55,13 @@ constexpr int rounds_of_surface(bool placed, ShapeKind kind) {
   return placed ? 60 : kind == ShapeKind::box ? 10 : 6;
 }
 
+/// Times in a step that points are looked for. Those of a triangle over a box's edge depend on its place. In the places
+/// that only elastic forces would take particles to, triangles are deeper in the box than they come to be. Pushed from
+/// there alone, they are driven along the edge, and tissue flutters about it without end.
+constexpr int looks_of_surface(ShapeKind kind) {
+  return kind == ShapeKind::box ? 2 : 1;
+}
+
 /// Whether a particle below the surface was in the tool before this step. One that was not is stopped as with
 /// ToolContact::particles: where a body is hit hard, its surface alone does not keep the rest out of the tool.
 inline bool is_deep_in(const ShapeIn<double>& shape, const Vector3<double>& start) {
@@ -83,8 +90,8 @@ class SurfacePress {
     Vec3 shift{0, 0, 0};  // kg m, of this round
     Vec3 from{0, 0, 0};   // m
     Index row = -1;
-    std::size_t slot = 0;                    // where load is not 0; likewise inverse_mass
-    double inverse_mass = 0.0;               // 1/kg, 0 where it is imposed or held
+    std::optional<std::size_t> slot{};       // once it has a load
+    double inverse_mass = 0.0;               // 1/kg, 0 where it is imposed or held; likewise
     double area = 0.0;                       // m^2, that it stands for where triangles are pressed at their corners
     double load = 0.0;                       // m^3: sum over the points that touch of share times load
     Vec3 pressed{0, 0, 0}, rubbed{0, 0, 0};  // N s, of all rounds: by points, and by friction
@@ -95,13 +102,29 @@ class SurfacePress {
     int count = 0;
     std::span<const std::size_t> rows() const { return {row.data(), static_cast<std::size_t>(count)}; }
   };
-  struct Pressed {  // a point that touches in the first round
+  struct Met {  // a patch that may touch in this step
     Corners corner{};
-    ContactPoints::Shares share{};         // of them
-    Vector3<double> from;                  // m, in the tool's frame
-    double load = 0.0;                     // m^3: its area times its depth
-    std::optional<BoxPlanes> box{};        // of PointsInBox
+    const ContactPoints::Patch* patch = nullptr;
+    bool is_triangle = false;        // of three particles
+    std::optional<BoxPlanes> box{};  // of a triangle that does not go through the box
+  };
+  struct Crowd {                           // of a point
     double inverse_mass = 0.0, crowd = 0;  // 1/kg: a_s; and the same without the particles' inverse masses
+  };
+  struct Pressed {  // a point that touches where points were found
+    Corners corner{};
+    ContactPoints::Shares share{};  // of them
+    Vector3<double> from;           // m, in the tool's frame
+    double load = 0.0;              // m^3: its area times its depth
+    Crowd crowd{};
+  };
+  struct Below {  // a triangle with points of PointsInBox
+    Corners corner{};
+    std::array<PointsInBox::Face, 6> faces;
+    std::size_t face_count = 0, first = 0, last = 0;  // the last two: of below_points_
+  };
+  struct BelowPoint : PointsInBox::Point {
+    double inverse_mass = 0.0, gain = 0.0;  // 1/kg: a_s, and N s/m
   };
 
   Corners corners_of(Index patch, const ToolFrame& start, const ToolFrame& end, const TouchedParticles& touched);
@@ -116,14 +139,14 @@ class SurfacePress {
   bool is_before_one_face(const BoxPlanes& box, const Corners& of) const;
   /// Of a point of the patch: the mean of its corners' `from` or `to`.
   Vec3 mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const;
+  void meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
+            const TouchedParticles& touched);
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
-  void keep(const Corners& of, const ContactPoints::Shares& share, const Vector3<double>& from, double load,
-            const std::optional<BoxPlanes>& box);
-  void find_pressed(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
-                    TouchedParticles& touched);
+  void load(const Corners& of, const ContactPoints::Shares& share, double load);
+  Crowd crowd_of(const Corners& of, const ContactPoints::Shares& share, double load) const;
+  void find_points(const ShapeIn<double>& shape, const ContactLaw<double>& law, TouchedParticles& touched);
   double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
-  double press_below(const BoxPlanes& box, const ShapeIn<double>& shape, const ContactLaw<double>& law,
-                     const Pressed& point, double dt);
+  double press_below(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Below& below);
   double press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                    const ToolFrame& end, TouchedParticles& touched, ToolForce& force);
   void hand_over(const ToolFrame& end, TouchedParticles& touched);
@@ -134,8 +157,11 @@ class SurfacePress {
   ContactPoints points_;
   std::vector<Index> corner_of_;  // [N] of corners_, -1: not in this step
   std::vector<Corner> corners_;
-  std::vector<std::size_t> loaded_;  // of corners_
+  std::vector<Met> met_;
+  std::vector<std::size_t> loaded_;  // of corners_: that have had a load in this step
   std::vector<Pressed> pressed_;
+  std::vector<Below> below_;
+  std::vector<BelowPoint> below_points_;
 
   // Of the last find_near().
   std::vector<Index> near_;          // patches, ascending

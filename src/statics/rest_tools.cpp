@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 #include "interaction/joint_set.h"
 #include "interaction/tool_shape.h"
@@ -15,6 +16,12 @@ namespace {
 /// Of a point's stiffness, in those of the particles' neighbourhoods: each raise() takes a part of about 1 in so many
 /// off the depth that is left.
 constexpr double stiffening = 30.0;
+/// Of the stiffness of integrals, by each raise().
+constexpr double raising = 5.0;
+/// Linearisations after begin() or raise() that leave out what makes the stiffness of integrals indefinite.
+constexpr int rough = 2;
+/// Of the mean normal of what is in a box, along a face's: then it came in through that face.
+constexpr double one_way = 0.9;
 int raises_of(const Tool& tool) {
   return tool.contact == ToolContact::surface ? 3 : std::numeric_limits<int>::max();
 }
@@ -92,15 +99,43 @@ bool RestTools::follow(const Scene& scene) {
   for (std::size_t k = 0; k < tools_.size(); ++k) {
     tools_[k].frame = ToolFrame(scene.tools()[k].pose);
     tools_[k].raises_left = raises_of(tools_[k].tool);
+    tools_[k].raised = 1.0;
   }
   return true;
+}
+
+bool RestTools::Touching::integrates(const ContactPoints::Patch& patch) const {
+  return shape.kind == ShapeKind::box && shape.margin == 0.0 && patch.corners == 3 && !patch.of_cut_cell;
+}
+
+void RestTools::begin(std::span<const Vec3> position) {
+  linearised_ = 0;
+  for (Touching& tool : tools_) {
+    tool.way_in = -1;
+    tool.by_way_in.assign(tool.points.patches.size(), 0);
+    std::vector<Vec3> normals(tool.points.patches.size(), Vec3::Zero());  // N, in the tool's frame
+    for_each_pressed(tool, position, [&](const Pressed& own) {
+      if (own.row != no_row) return;
+      normals[static_cast<std::size_t>(own.patch - tool.points.patches.data())] +=
+          own.force * (tool.frame.turn.transpose() * own.normal);
+    });
+    const Vec3 mean = std::accumulate(normals.begin(), normals.end(), Vec3(Vec3::Zero()));
+    int axis = 0;
+    if (!(mean.cwiseAbs().maxCoeff(&axis) > one_way * mean.norm())) continue;
+    tool.way_in = 2 * axis + (mean[axis] < 0.0 ? 1 : 0);
+    const Vec3 out = Vec3::Unit(axis) * (mean[axis] < 0.0 ? -1.0 : 1.0);
+    for (std::size_t p = 0; p < normals.size(); ++p) {
+      tool.by_way_in[p] = normals[p] != Vec3::Zero() && out.dot(normals[p]) < one_way * normals[p].norm();
+    }
+  }
 }
 
 /// Calls visit(Pressed) for the points that bear a force.
 template <class Visit>
 void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> position, const Visit& visit) {
   std::size_t next = 0;
-  for (const ContactPoints::Patch& patch : tool.points.patches) {
+  const std::vector<ContactPoints::Patch>& patches = tool.points.patches;
+  for (const ContactPoints::Patch& patch : patches) {
     const std::size_t first = next, count = patch.points->size();
     next += count;
     ContactPoints::Shares even{};
@@ -113,12 +148,36 @@ void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> pos
         std::ranges::all_of(estimates, [](double estimate) { return estimate == 0.0; })) {
       continue;
     }
+    if (tool.integrates(patch)) {
+      const auto all = std::span(tool.stiffness).subspan(first, count);
+      const double area = patch.area * static_cast<double>(count);
+      const double stiffness = tool.raised * std::accumulate(all.begin(), all.end(), 0.0) / area;
+      const auto at = [&](std::size_t c) { return tool.frame.inside(position[patch.corner[c]]); };
+      const Vec3 half = packed(tool.shape.size);
+      const bool by_way_in = tool.way_in >= 0 && tool.by_way_in[static_cast<std::size_t>(&patch - patches.data())] != 0;
+      const auto normal = [&](int face) -> Vec3 {
+        return (face % 2 == 0 ? 1.0 : -1.0) * tool.frame.turn.col(face / 2);
+      };
+      integrate_depth({-half, half}, {at(0), at(1), at(2)}, area, by_way_in ? tool.way_in : -1,
+                      [&](const DepthPoint& own) {
+                        const Vec3 out = normal(own.face);
+                        if (own.other_face < 0) {
+                          const double gain = stiffness * own.weight;
+                          visit(Pressed{&patch, own.share, no_row, gain * own.depth, gain, out, out});
+                        } else {
+                          const double gain = -stiffness * own.line_weight * own.depth;
+                          visit(Pressed{&patch, own.share, no_row, 0.0, gain, out, out - normal(own.other_face)});
+                        }
+                      });
+      continue;
+    }
     for (std::size_t p = 0; p < count; ++p) {
       const ContactPoints::Shares& share = (*patch.points)[p];
       const auto [phi, normal] = distance_to(tool.shape, unpacked(tool.frame.inside(place_of(patch, share, position))));
       const double gain = tool.stiffness[first + p] / (1.0 + tool.stiffness[first + p] * tool.tool.compliance);
       const double force = gain * (estimates[p] / tool.stiffness[first + p] - phi);
-      if (force > 0.0) visit(Pressed{&patch, &share, first + p, force, gain, tool.frame.turn * packed(normal)});
+      const Vec3 out = tool.frame.turn * packed(normal);
+      if (force > 0.0) visit(Pressed{&patch, share, first + p, force, gain, out, out});
     }
   }
 }
@@ -126,8 +185,7 @@ void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> pos
 VecList RestTools::forces_of(const Touching& tool, std::span<const Vec3> position) const {
   VecList force(particles_, Vec3::Zero());
   for_each_pressed(tool, position, [&](const Pressed& own) {
-    for (int c = 0; c < own.patch->corners; ++c)
-      force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
+    for (int c = 0; c < own.patch->corners; ++c) force[own.patch->corner[c]] += own.share[c] * own.force * own.normal;
   });
   return force;
 }
@@ -140,8 +198,7 @@ void RestTools::mark_held(std::span<char> particles) const {
 void RestTools::add_forces(std::span<const Vec3> position, std::span<Vec3> force) const {
   for (const Touching& tool : tools_) {
     for_each_pressed(tool, position, [&](const Pressed& own) {
-      for (int c = 0; c < own.patch->corners; ++c)
-        force[own.patch->corner[c]] += (*own.share)[c] * own.force * own.normal;
+      for (int c = 0; c < own.patch->corners; ++c) force[own.patch->corner[c]] += own.share[c] * own.force * own.normal;
     });
   }
 }
@@ -162,11 +219,15 @@ double RestTools::squared_support(std::span<const Vec3> position) const {
   return sum;
 }
 
-/// Without the turning of normals, which would take definiteness from K.
+/// Of points without the turning of normals, which would take definiteness from K. Integrals over triangles on edges
+/// have lines that take stiffness: without them tissue would hardly slide past an edge in a step.
 void RestTools::linearise(std::span<const Vec3> position) {
   linear_.clear();
+  ++linearised_;
   for (const Touching& tool : tools_) {
-    for_each_pressed(tool, position, [&](const Pressed& own) { linear_.push_back(own); });
+    for_each_pressed(tool, position, [&](const Pressed& own) {
+      if (own.gain > 0.0 || linearised_ > rough) linear_.push_back(own);
+    });
   }
 }
 
@@ -174,18 +235,17 @@ void RestTools::add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) c
   const auto row = [](const Pressed& own, int c) { return 3 * Eigen::Index{own.patch->corner[c]}; };
   for (const Pressed& own : linear_) {
     double way = 0.0;
-    for (int c = 0; c < own.patch->corners; ++c) way += (*own.share)[c] * own.normal.dot(d.segment<3>(row(own, c)));
+    for (int c = 0; c < own.patch->corners; ++c) way += own.share[c] * own.stiff.dot(d.segment<3>(row(own, c)));
     for (int c = 0; c < own.patch->corners; ++c) {
-      result.segment<3>(row(own, c)) += (*own.share)[c] * own.gain * way * own.normal;
+      result.segment<3>(row(own, c)) += own.share[c] * own.gain * way * own.stiff;
     }
   }
 }
 
 void RestTools::add_diagonal(std::span<Mat3> blocks) const {
   for (const Pressed& own : linear_) {
-    const Mat3 along = own.gain * own.normal * own.normal.transpose();
-    for (int c = 0; c < own.patch->corners; ++c)
-      blocks[own.patch->corner[c]] += (*own.share)[c] * (*own.share)[c] * along;
+    const Mat3 along = own.gain * own.stiff * own.stiff.transpose();
+    for (int c = 0; c < own.patch->corners; ++c) blocks[own.patch->corner[c]] += own.share[c] * own.share[c] * along;
   }
 }
 
@@ -195,7 +255,12 @@ double RestTools::squared_miss(std::span<const Vec3> position) const {
     if (tool.raises_left == 0) continue;
     std::vector<double> miss(tool.estimate.size()), of_particles(particles_, 0.0);
     std::ranges::transform(tool.estimate, miss.begin(), std::negate());
-    for_each_pressed(tool, position, [&](const Pressed& own) { miss[own.row] += own.force; });
+    for_each_pressed(tool, position, [&](const Pressed& own) {
+      if (own.row != no_row) return void(miss[own.row] += own.force);
+      for (int c = 0; c < own.patch->corners; ++c) {
+        of_particles[own.patch->corner[c]] += own.share[c] * tool.miss() * own.force;
+      }
+    });
     auto next = miss.begin();
     for_each_point(tool.points, [&](const ContactPoints::Patch& patch, const ContactPoints::Shares& share) {
       for (int c = 0; c < patch.corners; ++c) of_particles[patch.corner[c]] += share[c] * *next;
@@ -207,12 +272,17 @@ double RestTools::squared_miss(std::span<const Vec3> position) const {
 }
 
 void RestTools::raise(std::span<const Vec3> position) {
+  linearised_ = 0;
   for (Touching& tool : tools_) {
     if (tool.raises_left == 0) continue;
     --tool.raises_left;
     std::vector<double> next(tool.estimate.size(), 0.0);
-    for_each_pressed(tool, position, [&](const Pressed& own) { next[own.row] = own.force; });
+    for_each_pressed(tool, position, [&](const Pressed& own) {
+      if (own.row != no_row) next[own.row] = own.force;
+    });
     tool.estimate = std::move(next);
+    tool.raised *= raising;
+    tool.way_in = -1;
   }
 }
 

@@ -125,5 +125,26 @@ TEST_P(ToolSurfaceMotionOn, AThinPlateKeepsTheSideThatItComesFrom) {
   }
 }
 
+/// Triangles over the box's edges are pushed as they lie, not along the edge: 0.09 m/s if points are looked for once.
+TEST(ToolSurface, ABoxWithoutFrictionLetsTissueComeToRestAboutItsEdges) {
+  Model lobe = make_body(solid_ellipsoid({0, 0, 0}, {0.018, 0.018, 0.012}), {.spacing = 4e-3});
+  set_material(lobe, {.young = 5e3, .poisson = 0.45, .density = 1000.0});
+  lobe.add_group("held", lobe.particles_in([](const Vec3& x) { return x.z() < -0.006; }));
+  Scene scene(lobe);
+  const Box box{{0.005, 0.005, 0.005}};
+  const auto pressed = [](double by) { return ToolPose{.position = {0, 0, 0.017 - by}}; };
+  scene.fix("held").add_tool("box", {.shape = box, .pose = pressed(0.0), .contact = ToolContact::surface});
+  const auto solver = make_solver("cpu", lobe, scene, {}, damped(150.0));
+  const int steps = static_cast<int>(std::ceil(1e-3 / (0.45 * solver->stable_step())));
+  for (int tick = 1; tick <= 250; ++tick) {
+    scene.tool("box").move_to(pressed(3.5e-5 * std::min(tick, 100)));
+    ASSERT_TRUE(is_ok(solver->step(steps, 1e-3 / steps)));
+  }
+  double fastest = 0.0;
+  for (const Vec3& velocity : solver->read().velocity) fastest = std::max(fastest, velocity.norm());
+  EXPECT_LT(fastest, 5e-3);
+  EXPECT_GT(solver->tool_force("box").mean_force.norm(), 0.3);
+}
+
 }  // namespace
 }  // namespace phymul::test

@@ -129,6 +129,37 @@ TEST(StaticTools, FindTheShapeAndForcesThatStepsComeTo) {
   }
 }
 
+/// A plate deep in an organ presses it as one that came in little by little does, and nearly as in steps.
+TEST(StaticTools, APlateInTheBodyIsWhereItCameFrom) {
+  const auto organ = [] {
+    Simulation sim(make_body(solid_ellipsoid({0, 0, 0}, {0.03, 0.04, 0.015}), {.spacing = 7e-3}), soft_options(0.45));
+    sim.scene().fix(sim.model().particles_in([](const Vec3& x) { return x.z() < -0.008; }));
+    sim.scene().add_tool(
+        "plate",
+        {.shape = Box{{0.008, 0.008, 0.005}}, .pose = {.position = {0, 0, 0.02}}, .contact = ToolContact::surface});
+    return sim;
+  };
+  const auto put = [](Simulation& sim, double by) {
+    sim.scene().tool("plate").move_to({.position = {0, 0, 0.02 - by}});
+  };
+  const auto force = [](Simulation& sim) { return sim.force_on(sim.scene().tool("plate")).force.z(); };
+  Simulation at_once = organ(), by_and_by = organ(), stepped = organ();
+  for (const double by : {0.001, 0.002, 0.003, 0.004}) {
+    put(by_and_by, by);
+    ASSERT_TRUE(by_and_by.solve_static().converged());
+    if (by != 0.002) continue;
+    put(stepped, by);
+    ASSERT_TRUE(is_ok(stepped.advance(0.05)));
+    ASSERT_TRUE(has_converged(stepped.run_to_rest(20000)));
+    EXPECT_NEAR(force(by_and_by), force(stepped), 0.02 * force(stepped));
+  }
+  put(at_once, 0.004);
+  const StaticResult result = at_once.solve_static();
+  ASSERT_TRUE(result.converged()) << result.message();
+  EXPECT_LE(result.evaluations, 1000);
+  EXPECT_NEAR(force(at_once), force(by_and_by), 1e-3 * force(by_and_by));
+}
+
 /// Triangles with one or two corners that are held bear a force like others.
 TEST(StaticTools, ATriangleAtAHeldEdgeIsPressed) {
   const auto beside = [] {
