@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The law of a joint's spring (src/interaction/joint_spring.h).
+// The law of a joint's spring (src/interaction/joint_set.h).
 
 // Force on the first anchor, where r leads to the second one, m, and v is how it changes, m/s. stretch = |r| - L.
 // `holds`: without a rest length, in all directions; else along the line between the anchors, which two at one place do

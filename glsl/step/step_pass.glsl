@@ -7,7 +7,7 @@
 // displacement, 1 where a force was cut; velocity; acceleration.
 
 #ifdef NET_APART
-STORED(net, net_place);
+STORED_LAYERS(net, net_place);
 #endif
 
 void step_row(int i) {
@@ -21,7 +21,7 @@ void step_row(int i) {
   if (push >= 0) F = vec4(F.xyz + fetch_load_vec4(push_forces, push_forces_place, push).xyz, F.w);
 #endif
 #elif defined(NET_APART)
-  vec4 F = fetch_changing(net, net_place, i);
+  vec4 F = fetch_layer(net, net_place, i, 0);
 #else
   vec4 F = net_force(i);
 #endif

@@ -24,7 +24,7 @@ TABLE_INTS(domain_owner, domain_owner_place);    // particle; only with SEVERAL_
 TABLE_INTS(link_domain, link_domain_place);      // e
 TABLE_FLOATS(link, link_place);                  // area, stiffness
 TABLE_INTS(wall, wall_place);                    // two a triangle: vertices 0 to 3; 4, 5
-TABLE_FLOATS(wall_law, wall_law_place);          // WALL_TEXELS a triangle: src/device/float_walls.h
+TABLE_FLOATS(wall_law, wall_law_place);          // WALL_TEXELS a triangle: src/device/float_tables.h
 uniform int volume_start, spring_start, wall_start;  // first rows of their entries
 
 CHANGING(displacement, displacement_place);      // u_i = x_i - X_i, m

@@ -4,7 +4,7 @@
 // what step_pass.glsl has in hand when tools have touched a particle, and has no place to tell. Drawn only, after
 // reaction_pass.glsl; needs free_step.glsl and touch_tools.glsl.
 
-STORED(net, net_place);
+STORED_LAYERS(net, net_place);
 STORED(tool_forces, tool_forces_place);    // the sums so far
 STORED(tool_torques, tool_torques_place);
 OF_STEP(int, batch_step);  // counts from 1
@@ -22,9 +22,9 @@ void tool_row(int row) {
   vec3 v = fetch_changing(velocity, velocity_place, i).xyz;
   vec3 moved = u;
   float inverse_mass = fetch_vec4(particle, particle_place, i).x;
-  vec4 F = fetch_changing(net, net_place, i);
-  if (F.w > 0.0) cut_elastic_force(i);  // for what it withholds
-  free_step(i, acceleration(F.xyz, inverse_mass, gravity), moved, v);
+  vec3 F = fetch_layer(net, net_place, i, 0).xyz;
+  withheld = fetch_layer(net, net_place, i, 1).xyz;
+  free_step(i, acceleration(F, inverse_mass, gravity), moved, v);
   TouchedParticle touched = untouched(i, u, v, fixed_axes(i));
   vec4 held = fetch_load_vec4(tool_held, tool_held_place, i);
   Reaction reaction = no_reaction;

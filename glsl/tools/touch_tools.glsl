@@ -144,7 +144,7 @@ int unmoved_axes(int fixed_at) {
 #endif
 }
 
-// u: at the step's start; v: the velocity with which it would go on. After cut_elastic_force() where a reaction is told.
+// u: at the step's start; v: the velocity with which it would go on. After `withheld` is known where a reaction is told.
 TouchedParticle untouched(int i, vec3 u, vec3 v, int fixed_at) {
   vec4 inertia = fetch_vec4(particle, particle_place, i);
   return TouchedParticle(fetch_load_vec4(tool_rest, tool_rest_place, 2 * i).xyz,

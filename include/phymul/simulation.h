@@ -148,7 +148,8 @@ class Simulation {
   /// is that of a next step in which the tools go on as in the last one; a backend that is no SolverBackend has them
   /// stand still. Velocities of imposed coordinates are their means over the last step.
   State state() const;
-  /// Starts from a state with velocities at State::time. Throws Error as Solver::start() does.
+  /// Starts from a state with velocities at State::time. Cells that wait for their cuts (tick_budget) stay in line.
+  /// Throws Error as Solver::start() does.
   void set_state(const State& state);
 
   double max_displacement() const;  ///< m, largest distance of a particle from its rest position
@@ -164,9 +165,8 @@ class Simulation {
   /// rewind() also bring back the scene's tools, joints and threads: they remove those that were added since, add those
   /// that were removed, and undo the changes of a JointHandle or ThreadHandle (Scene::bring_back(), which says which
   /// handles stay valid). Loads, gravity, contacts, volume constraints and factors of stiffness stay as they are. To
-  /// start from positions alone, with what the scene has, call set_state(). A snapshot does not have clamps of threads,
-  /// knots tied again and volumes that no step has applied yet. They throw Error as Solver::restore(), save_state() and
-  /// load_state() do.
+  /// start from positions alone, with what the scene has, call set_state(). A snapshot does not have clamps of threads
+  /// and volumes that no step has applied yet. They throw Error as Solver::restore(), save_state() and load_state() do.
   Snapshot snapshot() const;
   void restore(const Snapshot& snapshot);
   void save(const std::string& path) const;
@@ -180,11 +180,11 @@ class Simulation {
   bool rewind(double time);
 
   /// Records steps, changes of the state and changes of the scene from now on. Memory grows with their number. Discards
-  /// tool poses, grasps, clamps of threads, knots tied again and volumes that no step has applied yet: repeat them
-  /// after this call.
+  /// tool poses, grasps, clamps of threads and volumes that no step has applied yet: repeat them after this call.
   void record();
   const Recording& recording() const;  ///< throws Error unless record() was called
-  /// Clears the scene and repeats a recording to its end. Throws Error as Replay does. Ends record().
+  /// Clears the scene and repeats a recording to its end. Throws Error as Replay does. Ends record(). What is refused
+  /// at its start leaves all as it was, but that handles may be of tools, joints and threads that are gone.
   void replay(Recording recording);
 
  private:

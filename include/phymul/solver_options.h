@@ -45,7 +45,8 @@ struct SolverOptions {
   /// at rest if for `rest_steps` consecutive steps every free particle has speed * tau <= rest_tolerance * h and net
   /// force / mass * tau^2 <= rest_tolerance * h. In single precision ("cpu", GL) rounding alone moves a body that rests
   /// displaced by u. There the right-hand sides are therefore at least 8 * 2^-24 * u, with the body's largest u
-  /// (docs/decisions/2026-11-21-rest-test-of-float-backends.md).
+  /// (docs/decisions/2026-11-21-rest-test-of-float-backends.md). What flows through openings of fluids counts as the
+  /// speed of a cube's sides that would take it up, the cube of VolumeConstraint::volume.
   double rest_tolerance = 1e-8;
   int rest_steps = 16;
   /// Sleep: parts of a body that rest cost nothing. Backend "cpu", bodies with a material (Law::particle_averaged) and

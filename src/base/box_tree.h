@@ -25,6 +25,9 @@ struct BoxTree {
   };
 
   BoxTree() = default;
+  /// One tree of all.
+  BoxTree(const VecList& places, const Shape& shape)
+      : BoxTree(places, std::vector<Index>(places.size(), 0), 1, shape) {}
   /// `group`, 0 ... count - 1, of each place.
   BoxTree(const VecList& places, const std::vector<Index>& group, Index count) : BoxTree(places, group, count, {}) {}
   BoxTree(const VecList& places, const std::vector<Index>& group, Index count, const Shape& shape);

@@ -8,8 +8,8 @@
 
 #include "base/decimal.h"
 #include "model/cell_geometry.h"
+#include "model/outer_faces.h"
 #include "model/surface_facets.h"
-#include "model/tissue_surface.h"
 
 namespace phymul {
 namespace {

@@ -4,12 +4,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "base/box_tree.h"
+#include "model/closest_triangle.h"
 
 namespace phymul {
 namespace {
-
-using Triangle = std::array<Index, 3>;
 
 double triple(const Vec3& a, const Vec3& b, const Vec3& c) {
   return a.dot(b.cross(c));
@@ -17,7 +15,8 @@ double triple(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 class Search {
  public:
-  explicit Search(const Surface& surface) : surface_(surface), tree_(middles(surface), groups(surface), 1) {
+  explicit Search(const Surface& surface)
+      : surface_(surface), tree_(middles_of(surface.vertices, surface.triangles), {}) {
     boxes_.resize(tree_.nodes.size());
     for (std::size_t n = 0; n < boxes_.size(); ++n) {
       for (Index item = tree_.nodes[n].first; item < tree_.nodes[n].end; ++item) {
@@ -48,14 +47,6 @@ class Search {
   }
 
  private:
-  static VecList middles(const Surface& surface) {
-    VecList all;
-    for (const auto& [a, b, c] : surface.triangles) {
-      all.push_back((surface.vertices[a] + surface.vertices[b] + surface.vertices[c]) / 3.0);
-    }
-    return all;
-  }
-  static std::vector<Index> groups(const Surface& surface) { return std::vector<Index>(surface.triangles.size(), 0); }
   const Triangle& triangle(Index row) const { return surface_.triangles[row]; }
 
   std::optional<Vec3> crossing(const Triangle& s, const Triangle& t) const {

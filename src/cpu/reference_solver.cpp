@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reference_solver.h"
+#include "cpu_backends.h"
 
 #include <phymul/backend.h>
 #include <phymul/elasticity.h>
@@ -188,7 +188,7 @@ class ReferenceSolver final : public SolverBackend {
     std::swap(state_.velocity, next_velocity_);
     state_.time += plan.dt;
     if (!tools_.empty()) tools_.accept();
-    touching_.accept();
+    touching_.accept(plan.dt);
     joints().accept();
     if (!dissipation_.empty()) dissipation_.accept();
     if (local_) local_->accept();
@@ -197,8 +197,8 @@ class ReferenceSolver final : public SolverBackend {
     motion.max_speed = max_free_speed();
     laps_->end(checks_row_);
   }
-  static RestThresholds rest_now(const StepPlan& plan, const Motion& /*motion*/) {
-    return {plan.speed_at_rest, plan.acceleration_at_rest};
+  RestThresholds rest_now(const StepPlan& plan, const Motion& /*motion*/) const {
+    return with_flow(touching_.flow(), {plan.speed_at_rest, plan.acceleration_at_rest});
   }
   void do_read(State& state) const override {
     state = state_;

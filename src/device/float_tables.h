@@ -10,7 +10,7 @@
 // Rows that a device gathers:
 //   base t     force on its vertices a, b, c and on its owner, at 0, 1, 2, 3 of "terms": entry t * 4 + corner
 //   volume v   force on its vertices: entry v * 4 + corner
-//   wall w     force on the vertices of its patch: entry w * 8 + vertex; float_walls.h
+//   wall w     force on the vertices of its patch: entry w * 8 + vertex; FloatWalls
 //   domain d   first Piola stress and a force; float_domains.h
 #pragma once
 
@@ -20,10 +20,31 @@
 #include <vector>
 
 #include "float_domains.h"
-#include "float_walls.h"
 #include "table_rows.h"
 
 namespace phymul {
+
+/// The triangles of walls (WallTexel) in single precision, without those that are removed. Vectors are empty where the
+/// body has no walls. A vertex that is `none` has the number of the first one of its triangle: its weights are 0, and
+/// its difference from the first is 0.
+struct FloatWalls {
+  static constexpr Index law_texels = 12;
+
+  std::vector<Int4> vertex;  ///< two rows per triangle: vertices 0 to 3; 4, 5, none, none
+  /// `law_texels` rows per triangle; g gradient, h hessian, by vertex:
+  ///   0, 1      tangents (1); shear (J), compliance (1)
+  ///   2, 3, 4   second derivatives 11, 22, twice 12 (1/m); bending of 11 11, 22 22, 12 12 (N m^3)
+  ///   5 ... 9   of vertex 1 ... 5: g_1, g_2 (1/m), h_11, h_22 (1/m^2)
+  ///   10, 11    h_12 of vertices 1 ... 5, bending of 22 12, 11 12, 11 22
+  std::vector<Float4> law;
+  /// [N + 1] offset of a particle's entries, row * 8 + number of the vertex, in order.
+  RaggedList entries;
+
+  Index count() const { return static_cast<Index>(vertex.size() / 2); }
+};
+
+/// Throws Error where an entry would not fit 32 bits, or a constant is beyond single precision.
+FloatWalls pack_walls(const TopologyTextures& topology);
 
 enum class FloatLayout { table, enumerated };
 

@@ -28,7 +28,7 @@
 #include <vector>
 
 #include "fine_parts.h"
-#include "part_of_body.h"
+#include "material_spectra.h"
 
 namespace phymul {
 
@@ -66,6 +66,12 @@ struct LocalSteps {
   /// The largest of the factors of `chosen`, by which K grows.
   double factor(std::span<const double> factors) const;
 };
+
+/// 1/s^2: the largest eigenvalue of the whole scheme at the step that its parts promise (LocalSteps::rate). The
+/// scheme's operator is B = Q K over the masses, with the Q of fine parts and the polynomial Q(K_stiff) of the
+/// substeps. It is symmetric in the inner product of the energy, x . K y, in which Lanczos iteration finds its largest
+/// eigenvalue.
+double largest_rate(const TopologyTextures& topology, const LocalSteps& steps);
 
 /// The materials, the number of substeps, at most `most`, and the fine parts with which a second of physics costs
 /// least. `whole`: of the body. Null if one step for all is about as cheap.

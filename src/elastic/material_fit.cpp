@@ -10,7 +10,6 @@
 #include "base/decimal.h"
 #include "energy_density.h"
 #include "model/material.h"
-#include "model/stiffening.h"
 #include "topology/energies.h"
 
 namespace phymul {

@@ -19,6 +19,20 @@
 
 namespace phymul {
 
+// Some materials of a body of Law::particle_averaged as tables of their own. Exact, because links join domains of one
+// material.
+
+/// The domains of some materials, and the particles that have one.
+struct PartOfBody {
+  TopologyTextures tables;
+  std::vector<Index> particle;  ///< of the whole body, in ascending order
+};
+/// `chosen`: by row of Model::materials; further rows are not chosen. Domains keep their order.
+PartOfBody part_of(const TopologyTextures& topology, const std::vector<bool>& chosen);
+
+/// [rows of Model::materials] whether it has domains.
+std::vector<bool> materials_of(const TopologyTextures& topology);
+
 class MaterialSpectra {
  public:
   /// Of the materials that have domains. Costs about twice estimate_spectrum() of the body, however many there are.

@@ -12,8 +12,8 @@
 #include "base/union_find.h"
 #include "closest_point.h"
 #include "model/cell_geometry.h"
+#include "model/outer_faces.h"
 #include "model/surface_facets.h"
-#include "model/tissue_surface.h"
 
 namespace phymul {
 namespace {

@@ -8,7 +8,7 @@ namespace phymul {
 void FluidExchange::Volume::find_ends() {
   const std::pair<double, double> branch = growing_branch(along);
   FluidPush last = push;
-  last.volume *= least_left;
+  last.volume = push.least();
   const auto s = root_of_cubic(along, [&](double at) -> WantedVolume {
     const WantedVolume all = last(at);
     return {all.volume - reached, all.slope};

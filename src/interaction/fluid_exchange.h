@@ -54,8 +54,8 @@ inline double fluid_pressure(const Fluid& fluid, double r) {
   return 0.0;
 }
 
-/// Of what there is, that no step lets out.
-inline constexpr double least_left = 1e-3;
+/// Of what there is, that no step lets out; and of VolumeConstraint::volume, so that many steps do not let out all.
+inline constexpr double least_left = 1e-3, least_of_whole = 1e-10;
 
 /// Of a push s: s / dt^2 is the pressure of the step.
 struct FluidPush {
@@ -64,6 +64,7 @@ struct FluidPush {
   double dt = 0.0;
   double before = 0.0, now = 0.0;  ///< Pa, p- and p, of a law of pressure
   double conductance = fluid.conductance;
+  double whole = 0.0;  ///< m^3, VolumeConstraint::volume
 
   bool has_law() const { return fluid.law != FluidLaw::incompressible; }
   double pressure(double s) const {
@@ -72,16 +73,17 @@ struct FluidPush {
   }
   /// The push at a pressure at the end.
   double push(double p) const { return has_law() ? 0.25 * dt * dt * (p + 2.0 * now + before) : dt * dt * p; }
-  double per_push() const { return (has_law() ? 4.0 : 1.0) / (dt * dt); }  ///< Pa
+  double per_push() const { return (has_law() ? 4.0 : 1.0) / (dt * dt); }                                   ///< Pa
+  double least() const { return std::min(std::max(least_left * volume, least_of_whole * whole), volume); }  ///< m^3
   /// m^3, without pressure, at the end.
   double left(double s) const {
     const double leaves = dt * conductance * (pressure(s) - fluid.outlet_pressure);
-    return std::max(volume - leaves, least_left * volume);
+    return std::max(volume - leaves, least());
   }
   WantedVolume operator()(double s) const {
     const double per_s = per_push(), has = left(s);
     const WantedVolume ratio = fluid_ratio(fluid, pressure(s));
-    const double leaving = has > least_left * volume ? dt * conductance : 0.0;
+    const double leaving = has > least() ? dt * conductance : 0.0;
     return {has * ratio.volume, per_s * (has * ratio.slope - leaving * ratio.volume)};
   }
 };

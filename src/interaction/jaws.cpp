@@ -55,6 +55,7 @@ ToolPose plate_at(const JawsOptions& options, const ToolPose& hinge, std::size_t
 std::array<ToolHandle, 2> add_plates(Scene& scene, const std::string& name, const JawsOptions& options,
                                      const ToolPose& hinge) {
   require(options);
+  if (name.empty()) throw Error("Jaws: expected a name, got an empty one");
   const auto plate = [&](std::size_t side) {
     const ToolPose pose = plate_at(options, hinge, side, options.opening);
     if (options.toughness) return Tool{.shape = Blade{options.length, *options.toughness}, .pose = pose};

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "joint_spring.h"
-
 namespace phymul {
 JointSet::End JointSet::end_of(const Anchor& anchor, const std::vector<SceneTool>& tools) const {
   End end;

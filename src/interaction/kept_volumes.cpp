@@ -56,6 +56,7 @@ void KeptVolumes::follow(const Scene& scene) {
     Surface& surface = now.emplace_back(known != surfaces_.end() ? std::move(*known) : made(kept));
     surface.open = scene.is_open(row);
     surface.law = kept.fluid;
+    surface.whole = kept.volume;
     if (surface.seen != kept.changes) {
       surface.now.volume = kept.volume;
       surface.has_pressure = false;
@@ -195,12 +196,15 @@ bool KeptVolumes::is_finite() const {
   });
 }
 
-void KeptVolumes::accept() {
+void KeptVolumes::accept(double dt) {
+  flow_ = 0.0;
   for (Surface& surface : surfaces_) {
     if (surface.open) {
       surface.now.pressure = surface.now.pressure_before = 0.0;
       continue;
     }
+    const double side = std::cbrt(surface.whole);
+    flow_ = std::max(flow_, std::abs(surface.next.volume - surface.now.volume) / (6.0 * side * side * dt));
     surface.now.volume = surface.next.volume;
     surface.now.pressure = surface.next.pressure;
     surface.now.pressure_before = surface.next.pressure_before;
@@ -225,7 +229,7 @@ FluidPush KeptVolumes::predicted(Surface& surface, TouchedParticles& touched) {
     const bool held = copy != nullptr && copy->held;
     surface.along[k] = held ? Vec3(Vec3::Zero()) : Vec3(touched.inverse_mass(particle) * surface.gradient[k]);
   }
-  FluidPush push{.fluid = surface.law, .volume = surface.now.volume, .dt = touched.dt()};
+  FluidPush push{.fluid = surface.law, .volume = surface.now.volume, .dt = touched.dt(), .whole = surface.whole};
   if (push.has_law()) {
     push.now = fluid_pressure(surface.law, enclosed_volume(surface.triangles, surface.start) / surface.now.volume);
     push.before = surface.has_pressure ? surface.now.pressure_before : push.now;

@@ -26,8 +26,11 @@ class KeptVolumes {
 
   /// After all else that acts on the step. The row of a volume that cannot be restored; -1: none.
   int act(TouchedParticles& touched);
-  bool is_finite() const;                             ///< the fluids at the end of the step
-  void accept();                                      ///< the step counts
+  bool is_finite() const;  ///< the fluids at the end of the step
+  /// m/s: speed of the walls of a cube of VolumeConstraint::volume, or the fastest of several, that would take up what
+  /// flowed in the last step that counts. Of held walls, too.
+  double flow() const { return flow_; }
+  void accept(double dt);                             ///< the step counts
   void read(const Scene& scene, State& state) const;  ///< with the volumes that the scene has by now
   /// Of a constraint of the scene, also of one that follow() has not seen.
   const FluidState& fluid(const VolumeConstraint& wanted) const;
@@ -39,6 +42,7 @@ class KeptVolumes {
     bool open = false;                            // not kept
     VecList start, end, gradient, along;          // [particles]
     Fluid law;                                    // with all that opens outside
+    double whole = 0.0;                           // m^3, VolumeConstraint::volume
     FluidState now, next;
     bool linked = false;            // of a group
     double reached = 0.0;           // m^3, at the end of the step without a push
@@ -61,6 +65,7 @@ class KeptVolumes {
 
   std::vector<Surface> surfaces_;
   std::vector<Group> groups_;
+  double flow_ = 0.0;
   mutable FluidState unseen_;
 };
 

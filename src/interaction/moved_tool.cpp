@@ -133,11 +133,10 @@ void MovedTool::let_go_of_removed(std::span<const double> mass) {
     held[kept] = held[k];
     held_at[kept++] = held_at[k];
   }
-  if (kept == held.size()) return;
   held.resize(kept);
   held_at.resize(kept);
   report.held = static_cast<int>(kept);
-  weigh_held(mass);
+  weigh_held(mass);  // also where all stay: they may have lost cells
 }
 
 void MovedTool::release() {

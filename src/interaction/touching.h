@@ -26,7 +26,8 @@ class Touching {
   const char* first_not_finite() const {  ///< at the end of the step in question; "": nothing
     return volumes_.is_finite() ? "" : "the pressure of a fluid would not be finite: its volume or its law is extreme";
   }
-  void accept() { volumes_.accept(); }  ///< the step counts
+  void accept(double dt) { volumes_.accept(dt); }  ///< the step counts
+  double flow() const { return volumes_.flow(); }  ///< m/s, KeptVolumes::flow()
   void read(const Scene& scene, State& state) const { volumes_.read(scene, state); }
   /// Of a row of Scene::volume_constraints().
   const FluidState& fluid(const Scene& scene, std::size_t row) const {

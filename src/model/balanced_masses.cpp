@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "balanced_masses.h"
+#include "material.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

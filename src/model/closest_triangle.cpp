@@ -12,13 +12,13 @@ namespace {
 
 constexpr BoxTree::Shape by_fours{.leaf_size = 4};
 
-VecList middles(std::span<const Vec3> place, std::span<const Triangle> triangles) {
+}  // namespace
+
+VecList middles_of(std::span<const Vec3> place, std::span<const Triangle> triangles) {
   VecList all;
   for (const auto& [a, b, c] : triangles) all.push_back((place[a] + place[b] + place[c]) / 3.0);
   return all;
 }
-
-}  // namespace
 
 std::array<Index, 2> open_edge(std::span<const Triangle> triangles) {
   std::map<std::pair<Index, Index>, int> count;  // of directed edges
@@ -45,7 +45,7 @@ Index flat_triangle(std::span<const Vec3> place, std::span<const Triangle> trian
 ClosestTriangle::ClosestTriangle(std::span<const Vec3> place, std::span<const Triangle> triangles)
     : place_(place.begin(), place.end()),
       corner_normal_(place.size(), Vec3::Zero()),
-      tree_(middles(place, triangles), std::vector<Index>(triangles.size(), 0), 1, by_fours) {
+      tree_(middles_of(place, triangles), by_fours) {
   for (const Index row : tree_.items) triangle_.push_back(triangles[row]);
   for (const BoxTree::Node& node : tree_.nodes) {
     Eigen::AlignedBox3d& box = boxes_.emplace_back();

@@ -43,6 +43,8 @@ class ClosestTriangle {
   std::vector<Eigen::AlignedBox3d> boxes_;        // [nodes]
 };
 
+VecList middles_of(std::span<const Vec3> place, std::span<const Triangle> triangles);
+
 /// An edge that two triangles do not share in opposite directions, as its two places; {-1, -1} where the surface is
 /// closed.
 std::array<Index, 2> open_edge(std::span<const Triangle> triangles);

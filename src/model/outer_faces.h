@@ -4,6 +4,7 @@
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/surface.h>
 
 #include <algorithm>
 #include <array>
@@ -131,5 +132,11 @@ class OuterFaces {
   std::vector<Outer> outer_;           // by their keys
   std::vector<Index> cut_cells_;
 };
+
+/// tissue_surface() of a valid model in 3-D, or of some of its cells, and its outer faces: nothing is checked.
+TissueSurface tissue_surface_of(const Model& model, const OuterFaces& outer);
+
+/// Whether a cut crosses a cell that is there.
+bool has_cuts(const Model& model);
 
 }  // namespace phymul

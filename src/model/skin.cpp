@@ -108,7 +108,7 @@ class CellSearch {
       throw Error(ErrorCode::invalid_model,
                   "Skin: the body has no volume cells, between whose particles a point could move");
     }
-    tree_ = BoxTree(middle, std::vector<Index>(cells_.size(), 0), 1);
+    tree_ = BoxTree(middle, {});
     node_boxes_.resize(tree_.nodes.size());
     node_sides_.assign(tree_.nodes.size(), Vec3::Zero());
     for (std::size_t n = tree_.nodes.size(); n-- > 0;) {

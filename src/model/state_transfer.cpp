@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <phymul/error.h>
+#include <phymul/state.h>
 #include <phymul/state_transfer.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace phymul {
@@ -41,6 +44,16 @@ State StateTransfer::operator()(const State& state) const {
   for (std::size_t i = 0; i < result.position.size(); ++i) result.position[i] += to_[i];
   result.velocity = skin_.deform(state.velocity);
   return result;
+}
+
+State rest_state(const Model& model) {
+  return {0.0, model.rest, VecList(model.rest.size(), Vec3::Zero())};
+}
+
+bool is_finite(const State& state) {
+  const auto finite = [](const Vec3& v) { return v.allFinite(); };
+  return std::isfinite(state.time) && std::all_of(state.position.begin(), state.position.end(), finite) &&
+         std::all_of(state.velocity.begin(), state.velocity.end(), finite);
 }
 
 }  // namespace phymul

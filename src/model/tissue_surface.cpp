@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "cell_geometry.h"
+#include "outer_faces.h"
 #include "surface_facets.h"
-#include "tissue_surface.h"
 
 namespace phymul {
 namespace {

@@ -11,8 +11,6 @@
 #include "input_kinds.h"
 #include "scene_bytes.h"
 #include "snapshot_bytes.h"
-#include "thread_bytes.h"
-#include "tool_bytes.h"
 
 namespace phymul {
 namespace {

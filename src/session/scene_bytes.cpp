@@ -7,9 +7,6 @@
 #include <functional>
 #include <utility>
 
-#include "thread_bytes.h"
-#include "tool_bytes.h"
-#include "volume_bytes.h"
 #include "wire_codes.h"
 
 namespace phymul {

@@ -10,6 +10,9 @@
 #pragma once
 
 #include <phymul/scene.h>
+#include <phymul/tool.h>
+
+#include <span>
 
 #include "base/checked_file.h"
 
@@ -37,5 +40,66 @@ std::string scene_change_bytes(const Scene& scene, const SceneBefore& before, bo
 
 /// Makes such a change. Throws Error for bytes that are none, or that the scene refuses.
 void change_scene(Scene& scene, ByteReader& in);
+
+/// What makes a scene with the volumes `before` one with those of `scene`.
+void put_volumes(ByteWriter& out, const Scene& scene, std::span<const VolumeConstraint> before);
+void take_volumes(ByteReader& in, Scene& scene);
+void take_old_volumes(ByteReader& in, Scene& scene);  ///< as files had them before fluids
+
+/// For a ByteWriter and a pose that is const, or a ByteReader and one that is not.
+template <class Bytes, class Pose>
+void pose_fields(Bytes& bytes, Pose& pose) {
+  bytes.field(pose.position, "a tool's position");
+  for (int k = 0; k < 4; ++k) bytes.field(pose.orientation.coeffs()[k], "a tool's orientation");  // x, y, z, w
+  bytes.field(pose.velocity, "a tool's velocity");
+  bytes.field(pose.spin, "a tool's spin");
+}
+
+/// The shape's code (u8), then the members of the shape, pose and coefficients.
+void tool_fields(ByteWriter& out, const Tool& tool);
+void tool_fields(ByteReader& in, Tool& tool);  ///< throws Error for a shape there is none of; the scene checks the rest
+
+void put_tool_state(ByteWriter& out, const ToolState& state);
+ToolState take_tool_state(ByteReader& in);  ///< throws Error for lists that do not fit together
+
+// The joints and the threads of a scene in bytes, and the states of threads.
+
+// Joints. For a ByteWriter and a thing that is const, or a ByteReader and one that is not; the scene checks a joint.
+
+template <class Bytes, class Any>
+void anchor_fields(Bytes& bytes, Any& anchor) {
+  bytes.field(anchor.particles, "an anchor's particles");
+  bytes.list(anchor.weights, 8, "a number of weights", [&](auto& weight) { bytes.field(weight, "a weight"); });
+  bytes.field(anchor.tool, "an anchor's tool");
+  bytes.field(anchor.point, "an anchor's point");
+}
+
+template <class Bytes, class Any>
+void joint_fields(Bytes& bytes, Any& joint) {
+  bytes.list(joint.springs, 104, "a number of springs", [&](auto& spring) {
+    anchor_fields(bytes, spring.a);
+    anchor_fields(bytes, spring.b);
+    bytes.field(spring.rest_length, "a rest length");
+    bytes.field(spring.share, "a spring's share");
+  });
+  bytes.field(joint.stiffness, "a joint's stiffness");
+  bytes.field(joint.damping, "a joint's damping");
+  bytes.field(joint.slack, "whether a joint is slack");
+  bytes.field(joint.breaking_force, "a breaking force");
+}
+
+void put_threads(ByteWriter& out, const std::vector<SceneThread>& threads);
+std::vector<SceneThread> take_threads(ByteReader& in);
+void add_threads(ByteReader& in, Scene& scene);  ///< throws Error for bytes that the scene refuses
+
+/// What a ThreadHandle changed. `in`: of a thread that the scene has.
+void put_control(ByteWriter& out, const ThreadControl& control);
+void change_control(ByteReader& in, const ThreadHandle& thread);
+
+/// ThreadState::sewn of each, apart from the rest: files written before have none.
+void put_sewn(ByteWriter& out, const std::vector<ThreadState>& threads);
+void take_sewn(ByteReader& in, std::vector<ThreadState>& threads);
+void put_thread_states(ByteWriter& out, const std::vector<ThreadState>& threads);
+std::vector<ThreadState> take_thread_states(ByteReader& in);
 
 }  // namespace phymul

@@ -12,10 +12,10 @@
 
 #include "base/decimal.h"
 #include "input_kinds.h"
+#include "scene_bytes.h"
 #include "simulation_parts.h"
 #include "snapshot_bytes.h"
 #include "solver/solver_input.h"
-#include "warnings.h"
 
 namespace phymul {
 namespace {
@@ -135,9 +135,9 @@ bool Simulation::Parts::divide(StepReport& report) {
   if (report.ok()) cut_with_blades(report);
   report.cut_later = static_cast<int>(waiting.size());
   if (report.ok()) tear(report);
-  const bool changed = topology->cuts.size() != before;
-  if (changed) report.at_rest = false;  // that was said of what was whole
-  return changed;
+  const bool goes_on = topology->cuts.size() != before || !waiting.empty();
+  if (goes_on) report.at_rest = false;  // that was said of what was whole
+  return goes_on;
 }
 
 RestResult Simulation::Parts::run_to_rest(int max_steps, double dt, const Damping& damping) {
@@ -248,6 +248,7 @@ void Simulation::replay(Recording recording) {
   const Snapshot& start = recording.start;
   const Snapshot before = parts_->snapshot();
   const std::vector<SceneTool> asked = scene().tools();
+  const std::string scene_before = scene_change_bytes(scene(), {}, true);
   if (fingerprint(*parts_->topology, start.removed_cells, start.cuts) == recording.topology_hash) {
     parts_->set_body(start.removed_cells, start.cuts);
   }                                                    // else Replay says so
@@ -261,9 +262,15 @@ void Simulation::replay(Recording recording) {
     if (input.kind == input_kind::cut || input.kind == input_kind::removed) given.reset();
   }
   std::optional<Replay> made;
+  const std::uint64_t version = scene().version();
   try {
     made.emplace(std::move(recording), parts_->solver(), scene());
   } catch (...) {
+    if (scene().version() != version) {  // cleared
+      parts_->set_body(before.removed_cells, before.cuts);
+      ByteReader in("scene", scene_before);
+      change_scene(scene(), in);
+    }
     parts_->take_back(before, asked);
     throw;
   }
@@ -280,6 +287,7 @@ void Simulation::replay(Recording recording) {
       }
     }
   } catch (...) {
+    parts_->waiting.clear();  // they were of what was before
     parts_->state_changed();
     throw;
   }

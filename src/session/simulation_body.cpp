@@ -11,7 +11,6 @@
 #include "body/cut_places.h"
 #include "model/cell_geometry.h"
 #include "simulation_parts.h"
-#include "warnings.h"
 
 namespace phymul {
 

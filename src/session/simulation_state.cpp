@@ -38,12 +38,12 @@ void Simulation::Parts::begin_again(const Snapshot& there) {
     started->wanted.position = there.start.position;
     started->wanted.velocity = there.start.velocity;
   }
-  std::vector<Snapshot::CutLater> left = there.start.cut_later;
-  std::erase_if(left, [&](const Snapshot::CutLater& own) {  // of another body
+  waiting = there.start.cut_later;
+  std::erase_if(waiting, [&](const Snapshot::CutLater& own) {  // of another body
     return own.cell >= static_cast<Index>(model.cells.size()) ||
            model.cells[own.cell].particles.size() > own.cut.size();
   });
-  state_changed(std::move(left));
+  state_changed();
   begin_history_anew();
 }
 
@@ -119,9 +119,8 @@ void Simulation::Parts::begin(double dt) {
   ask_tools_again(scene.tools(), seen);
 }
 
-void Simulation::Parts::state_changed(std::vector<Snapshot::CutLater> left) {
+void Simulation::Parts::state_changed() {
   see_tools();
-  waiting = std::move(left);
   blades_seen.clear();
   for (const SceneTool& tool : scene.tools()) {
     if (std::holds_alternative<Blade>(tool.tool.shape))

@@ -14,11 +14,10 @@
 #include "elastic/averaged_stiffness.h"
 #include "interaction/tool_shape.h"
 #include "simulation_parts.h"
+#include "statics/idle_motions.h"
 #include "statics/multigrid.h"
-#include "statics/rest_joints.h"
 #include "statics/rest_search.h"
 #include "statics/rest_tools.h"
-#include "statics/rigid_motions.h"
 #include "statics/wall_rest.h"
 
 namespace phymul {

@@ -10,8 +10,7 @@
 
 #include "base/fnv.h"
 #include "cut_bytes.h"
-#include "thread_bytes.h"
-#include "tool_bytes.h"
+#include "scene_bytes.h"
 
 namespace phymul {
 namespace {

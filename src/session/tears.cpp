@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tears.h"
+#include "simulation_parts.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thread_bytes.h"
+#include "scene_bytes.h"
 
 #include <bit>
 

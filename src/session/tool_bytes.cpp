@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tool_bytes.h"
+#include "scene_bytes.h"
 
 #include <phymul/distance_grid.h>
 

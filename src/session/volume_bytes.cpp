@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "volume_bytes.h"
+#include "scene_bytes.h"
 
 #include <algorithm>
 #include <utility>

@@ -12,8 +12,7 @@
 #include <limits>
 
 #include "base/files.h"
-#include "cpu/packed/simd_solver.h"
-#include "cpu/reference_solver.h"
+#include "cpu/cpu_backends.h"
 #include "cpu/simd/job.h"
 #include "topology/neighbourhoods.h"
 #ifdef PHYMUL_HAS_GL

@@ -14,6 +14,7 @@
 #include "elastic/local_steps.h"
 #include "elastic/material_spectra.h"
 #include "elastic/scaled_tables.h"
+#include "elastic/snapshot_numbers.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
 #include "interaction/stiff_joints.h"
@@ -25,7 +26,8 @@
 namespace phymul {
 namespace {
 
-constexpr std::size_t most_copies = 3;  // of request_read()
+constexpr std::size_t most_copies = 3;              // of request_read()
+constexpr const char* passed_part = "time passed";  // of a Snapshot: s, without a step, since the last one
 
 bool are_finite(const VecList& list) {
   return std::all_of(list.begin(), list.end(), [](const Vec3& v) { return v.allFinite(); });
@@ -229,6 +231,7 @@ Snapshot SolverBackend::snapshot_without_hash() const {
   Snapshot snapshot;
   do_snapshot(snapshot);
   joints_->read(snapshot.state);
+  if (last_.passed > 0.0) put_numbers(passed_part, {&last_.passed, 1}, snapshot);
   snapshot.growth = growth_;
   snapshot.max_speed = speed_;
   snapshot.removed_cells = topology_->removed;
@@ -245,6 +248,14 @@ Snapshot SolverBackend::snapshot_without_hash() const {
 }
 
 void SolverBackend::restore(const Snapshot& snapshot) {
+  if (has_part(passed_part, snapshot)) {
+    const double passed = numbers_of(passed_part, 1, snapshot).front();
+    Snapshot of_backend = snapshot;
+    std::erase_if(of_backend.parts, [](const Snapshot::Part& part) { return part.name == passed_part; });
+    restore(of_backend);
+    last_.passed = std::max(passed, 0.0);
+    return;
+  }
   require_idle("Solver::restore");
   if (snapshot.topology_hash != 0 && snapshot.topology_hash != topology_hash()) {
     throw Error(

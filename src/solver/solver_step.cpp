@@ -254,7 +254,8 @@ StepReport SolverBackend::advance(int n, double dt, bool stop_at_rest, const Dam
   StepPlan plan = plan_for(n, dt, damping, report.beyond_limit);
   plan.stop_at_rest = stop_at_rest;
   const int broken_before = joints_->broken(), gave_way_before = tissue_gave_way();
-  const Motion motion = run(plan, report);
+  Motion motion = run(plan, report);
+  if (motion.steps == 0) motion.strain = {.growth = 0.0};
   report.steps = motion.steps;
   report.time = do_time();
   report.residual = motion.max_force;

@@ -26,6 +26,10 @@ struct RestThresholds {
   double speed = 0.0;         ///< m/s
   double acceleration = 0.0;  ///< m/s^2
 };
+/// Nothing rests while a fluid flows so fast, m/s (KeptVolumes::flow()).
+inline RestThresholds with_flow(double flow, const RestThresholds& rest) {
+  return flow > rest.speed ? RestThresholds{-1.0, -1.0} : rest;
+}
 
 /// A friend of the backend.
 struct StepOrder {

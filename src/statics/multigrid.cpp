@@ -11,7 +11,7 @@
 #include "base/denormals.h"
 #include "elastic/energy_density.h"
 #include "elastic/mean_gradient.h"
-#include "polar_rotation.h"
+#include "elastic/rotation.h"
 
 namespace phymul {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The rest shape of a body of Law::particle_averaged: Newton's method on its energy with a line search along curved
-// paths (turning_path.h). The linear systems are solved by conjugate gradients, as far as the next step deserves it,
+// paths (TurningPath). The linear systems are solved by conjugate gradients, as far as the next step deserves it,
 // with a V-cycle of multigrid (multigrid.h). Source: J. Nocedal and S. Wright, Numerical Optimization, ch. 3, 5 and 7.
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Tools without friction as statics knows them. A point of the surface (interaction/contact_points.h) at the signed
-// distance phi from a tool bears the force f >= 0 along the normal, with
+// Joints, and tools without friction, as statics knows them. A point of the surface (interaction/contact_points.h) at
+// the signed distance phi from a tool bears the force f >= 0 along the normal, with
 //   f = 0 where phi > 0, else phi = -c f,   c: Tool::compliance.
 // The law is approached by augmented Lagrangians: f = max(0, (s - k phi) / (1 + k c)) with a stiffness k, and raise()
 // takes f as the next s. The points of a triangle share a force in many ways, between which raise() would go on
@@ -15,8 +15,10 @@
 #pragma once
 
 #include <phymul/scene.h>
+#include <phymul/state.h>
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "interaction/contact_points.h"
@@ -83,6 +85,40 @@ class RestTools final : public RestTerm {
   std::vector<Touching> tools_;
   std::vector<Pressed> linear_;  // as of the last linearise()
   int linearised_ = 0;           // since begin() or raise()
+};
+
+/// The joints of a scene as statics knows them: springs of known forces and stiffness.
+class RestJoints final : public RestTerm {
+ public:
+  /// All springs but those that are broken in `state`. Keeps a reference to the scene.
+  RestJoints(const Scene& scene, const State& state);
+
+  bool empty() const { return springs_.empty(); }
+  void mark_held(std::span<char> particles) const override;
+  void add_forces(std::span<const Vec3> position, std::span<Vec3> force) const override;
+  double energy(std::span<const Vec3> position) const override;
+  double squared_support(std::span<const Vec3> position) const override;
+  void linearise(std::span<const Vec3> position) override;
+  void add_product(const Eigen::VectorXd& d, Eigen::VectorXd& result) const override;
+  void add_diagonal(std::span<Mat3> blocks) const override;
+
+  /// Adds what springs do to the tools, [Scene::tools()].
+  void add_reactions(std::span<const Vec3> position, std::span<ToolForce> tools) const;
+  /// By Scene::joints().
+  std::vector<JointReport> reports(std::span<const Vec3> position) const;
+  /// The name of a joint one of whose springs is loaded beyond what breaks it; empty: none is.
+  std::string overloaded(std::span<const Vec3> position) const;
+
+ private:
+  struct Spring {
+    const SceneJoint* joint;
+    const JointSpring* spring;
+    Mat3 tangent = Mat3::Zero();
+  };
+  Vec3 span_of(const JointSpring& spring, std::span<const Vec3> position) const;
+
+  const Scene& scene_;
+  std::vector<Spring> springs_;
 };
 
 }  // namespace phymul

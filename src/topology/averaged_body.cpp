@@ -11,17 +11,13 @@
 #include <span>
 #include <utility>
 
-#include "alike_domains.h"
 #include "base/side_by_side.h"
 #include "cell_quadrature.h"
-#include "domain_links.h"
 #include "energies.h"
 #include "model/body_type.h"
 #include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
 #include "model/point_cells.h"
-#include "point_domains.h"
-#include "stabiliser.h"
 #include "transpose.h"
 
 namespace phymul {

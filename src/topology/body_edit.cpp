@@ -8,7 +8,7 @@
 #include <numeric>
 #include <string>
 
-#include "domain_links.h"
+#include "averaged_body.h"
 #include "energies.h"
 #include "model/body_type.h"
 #include "model/cell_geometry.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "stabiliser.h"
+#include "averaged_body.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,6 @@
 #include <span>
 
 #include "base/side_by_side.h"
-#include "bending.h"
 #include "body_frames.h"
 #include "cell_quadrature.h"
 #include "energies.h"

@@ -67,7 +67,6 @@ std::vector<CornerSimplex> corner_simplices(const Model& model, Index cell_row) 
   double sum = 0.0;
   for (const CellCorner& ends : corners_of(cell.type)) {
     CornerSimplex simplex;
-    simplex.cell = cell_row;
     for (std::size_t v = 0; v < 4; ++v) simplex.vertex[v] = ends[v] < 0 ? -1 : cell.particles[ends[v]];
     if (clockwise) std::swap(simplex.vertex[1], simplex.vertex[2]);
     const Extent size = extent(model.rest, simplex.vertex);

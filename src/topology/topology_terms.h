@@ -17,7 +17,6 @@ struct CornerSimplex {
   std::array<Index, 4> vertex{-1, -1, -1, -1};
   double volume = 0.0;  ///< rest volume of this very simplex, m^3 (2-D: m^2)
   double share = 0.0;   ///< rest volume it stands for; the shares of a cell sum to the cell's volume
-  Index cell = -1;      ///< row of Model::cells
 };
 
 /// Simplices of one cell. Hexahedra and wedges have one per corner, pyramids one per corner of the ring, quads

@@ -4,7 +4,7 @@
 // and against the double reference.
 #include <algorithm>
 
-#include "support/bounded_forces.h"
+#include "gl_single_steps.h"
 #include "support/gl_block.h"
 #include "support/gl_touching_bodies.h"
 #include "support/message_of.h"
@@ -46,51 +46,23 @@ TEST_P(GlAveraged, SingleStepsHaveTheMirrorsBits) {
   for (const Body& body : averaged_bodies()) {
     SCOPED_TRACE(body.name);
     const Scene scene(body.model);
-    const auto tables = averaged_tables(body.model);
-    const GlTwins twins = twins_of(tables, scene);
-    if (!twins.same_bits_expected()) {
-      GTEST_SKIP() << "NOT TESTED: " << twins.gl->device() << " is not llvmpipe of Mesa 22";
-    }
-    const double dt = 0.3 * twins.gl->stable_step();
-    const double speed = 0.1 * mean_spacing(body.model) / dt;
-    for (int k = 0; k < (sanitized ? 3 : 30); ++k) {
-      twins.reset(random_state(body.model, 0.02 + 0.015 * k, speed, 17 + k));
-      ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
-      ASSERT_EQ(difference(twins.gl->read(), twins.mirror->read()), "") << "state " << k;
-    }
+    expect_the_mirrors_bits(twins_of(averaged_tables(body.model), scene), body.model, sanitized ? 3 : 30, 0.015);
+    if (IsSkipped()) return;
   }
 }
 
-/// Of a step from standing still, as GlEquivalence does for other laws: velocities are dt / m times the forces, whose
-/// bound follows from the formulas; nothing in it is fitted. It is wide (llvmpipe uses 0.011 of it), so forces are held
-/// to ten times the largest error measured there too: 2.8e-7 of the body's largest force (llvmpipe 15, 2026-11-23).
+/// The bound is wide (llvmpipe uses 0.011 of it), so forces are held to ten times the largest error measured there too:
+/// 2.8e-7 of the body's largest force (llvmpipe 15, 2026-11-23).
 TEST_P(GlAveraged, SingleStepsAreWithinTheRoundingBound) {
-  double worst = 0.0, worst_force = 0.0;
+  SingleStepErrors worst;
   for (const Body& body : averaged_bodies()) {
     SCOPED_TRACE(body.name);
-    const Model& model = body.model;
-    const Scene scene(model);
-    const auto tables = averaged_tables(model);
-    const GlTwins twins = twins_of(tables, scene, uncut());
-    const double dt = 0.3 * twins.gl->stable_step();
-    for (int k = 0; k < 5; ++k) {
-      twins.gl->reset(random_state(model, 0.05 + 0.05 * k, 0.0, 29 + k));
-      const State start = twins.gl->read();  // as rounded
-      VecList u = start.position, exact(u.size());
-      for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
-      elastic_forces(*tables, start.position, exact);
-      ASSERT_TRUE(twins.gl->step(1, dt).ok());
-      const State moved = twins.gl->read();
-      worst = std::max(worst, share_of_bound(*tables, BoundedForces(*tables, u), moved.velocity, dt));
-      const double largest = largest_norm(exact);
-      for (Index i = 0; i < model.particle_count(); ++i) {
-        const Vec3 felt = tables->mass[i] / dt * moved.velocity[i];
-        worst_force = std::max(worst_force, (felt - exact[i]).norm() / largest);
-      }
-    }
+    const Scene scene(body.model);
+    const auto tables = averaged_tables(body.model);
+    worst.measure(twins_of(tables, scene, uncut()), *tables, 5, 0.05);
   }
-  std::printf("[   BOUND  ] worst error %.3f of the bound, %.2g of the largest force\n", worst, worst_force);
-  EXPECT_LE(worst_force, 3e-6);
+  worst.print();
+  EXPECT_LE(worst.of_force, 3e-6);
 }
 
 /// Damped, under gravity; the limit is that of GlEquivalence for other laws.
@@ -150,16 +122,7 @@ TEST_P(GlAveraged, RestIsAFixedPointToTheLastBit) {
     SCOPED_TRACE(body.name);
     const Scene scene(body.model);
     const GlTwins twins = twins_of(averaged_tables(body.model), scene);
-    for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.125, -0.25, 0)}) {
-      State start = rest_state(body.model);
-      for (Vec3& x : start.position) x += shift;
-      twins.gl->reset(start);
-      start = twins.gl->read();
-      ASSERT_TRUE(twins.gl->step(50, 0.3 * twins.gl->stable_step()).ok());
-      State end = twins.gl->read();
-      end.time = start.time;
-      EXPECT_EQ(difference(end, start), "");
-    }
+    for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.125, -0.25, 0)}) expect_rest_is_kept(twins, body.model, shift, 50);
   }
 }
 

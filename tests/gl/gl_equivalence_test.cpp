@@ -4,9 +4,8 @@
 // the double reference.
 #include <thread>
 
-#include "support/bounded_forces.h"
+#include "gl_single_steps.h"
 #include "support/failure_states.h"
-#include "support/gl_twins.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {
@@ -27,36 +26,20 @@ bool slow_software(const gl::ContextInfo& info) {
 }
 
 TEST_P(GlEquivalence, SingleStepsHaveTheMirrorsBits) {
-  int pairs = 0, compared = 0;
   for (const Body& body : bodies()) {
     for (const Variant& variant : all_variants()) {
       SCOPED_TRACE(body.name + ", " + variant.name);
       const Model model = prepared(variant, body);
       const Scene scene(model);
       const auto tables = tables_of(model, variant.options);
-      const GlTwins twins = twins_of(tables, scene);
-      if (!twins.same_bits_expected()) {
-        GTEST_SKIP() << "NOT TESTED: " << twins.gl->device() << " is not llvmpipe of Mesa 22";
-      }
-      const double dt = 0.3 * std::min(twins.gl->stable_step(), 1.0);
-      const double speed = 0.1 * mean_spacing(model) / dt;
-      ++pairs;
-      for (int k = 0; k < states_of(*tables); ++k) {
-        twins.reset(random_state(model, 0.02 + 0.005 * k, speed, 17 + k));
-        ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
-        if (const std::string d = difference(twins.gl->read(), twins.mirror->read()); !d.empty()) {
-          ADD_FAILURE() << "state " << k << ": " << d;
-          break;
-        }
-        ++compared;
-      }
+      expect_the_mirrors_bits(twins_of(tables, scene), model, states_of(*tables), 0.005);
+      if (IsSkipped()) return;
     }
   }
-  std::printf("[   BITS   ] %d states of %d pairs of body and variant\n", compared, pairs);
 }
 
 TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
-  double worst = 0.0;
+  SingleStepErrors worst;
   int left_out = 0;
   for (const Body& body : bodies()) {
     for (const Variant& variant : all_variants()) {
@@ -72,18 +55,11 @@ TEST_P(GlEquivalence, SingleStepsAreWithinTheRoundingBound) {
         ++left_out;  // a step takes such a renderer minutes
         continue;
       }
-      const double dt = 0.3 * std::min(twins.gl->stable_step(), 1.0);
-      for (int k = 0; k < (large ? 1 : 5); ++k) {
-        twins.gl->reset(random_state(model, 0.05 + 0.05 * k, 0.0, 29 + k));
-        State start = twins.gl->read();  // as rounded
-        VecList u = start.position;
-        for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
-        ASSERT_TRUE(twins.gl->step(1, dt).ok());
-        worst = std::max(worst, share_of_bound(*tables, BoundedForces(*tables, u), twins.gl->read().velocity, dt));
-      }
+      worst.measure(twins, *tables, large ? 1 : 5, 0.05);
     }
   }
-  std::printf("[   BOUND  ] worst error %.3f of the bound; %d pairs left out as too slow here\n", worst, left_out);
+  worst.print();
+  std::printf("[   BOUND  ] %d pairs left out as too slow here\n", left_out);
 }
 
 TEST_P(GlEquivalence, LoadsOfAllKindsHaveTheMirrorsBits) {

@@ -4,7 +4,7 @@
 // double reference.
 #include <algorithm>
 
-#include "support/bounded_forces.h"
+#include "gl_single_steps.h"
 #include "support/cut_walls.h"
 #include "support/gl_block.h"
 #include "support/gl_touching_bodies.h"
@@ -40,64 +40,29 @@ TEST_P(GlWall, SingleStepsHaveTheMirrorsBits) {
   for (const Body& body : wall_bodies()) {
     SCOPED_TRACE(body.name);
     const Scene scene(body.model);
-    const GlTwins twins = twins_of(tables_of(body.model, {}), scene);
-    if (!twins.same_bits_expected()) {
-      GTEST_SKIP() << "NOT TESTED: " << twins.gl->device() << " is not llvmpipe of Mesa 22";
-    }
-    const double dt = 0.3 * twins.gl->stable_step();
-    const double speed = 0.1 * mean_spacing(body.model) / dt;
-    for (int k = 0; k < (sanitized ? 2 : 5); ++k) {
-      twins.reset(random_state(body.model, 0.02 + 0.1 * k, speed, 17 + k));
-      ASSERT_TRUE(all_step(1, dt, twins.gl, twins.mirror));
-      ASSERT_EQ(difference(twins.gl->read(), twins.mirror->read()), "") << "state " << k;
-    }
+    expect_the_mirrors_bits(twins_of(tables_of(body.model, {}), scene), body.model, sanitized ? 2 : 5, 0.1);
+    if (IsSkipped()) return;
   }
 }
 
-/// Of a step from standing still, as GlAveraged does. The bound is wide: forces are held to ten times the largest error
-/// measured too (llvmpipe 15, 2026-11-30).
+/// The bound is wide: forces are held to ten times the largest error measured too (llvmpipe 15, 2026-11-30).
 TEST_P(GlWall, SingleStepsAreWithinTheRoundingBound) {
-  double worst = 0.0, worst_force = 0.0;
+  SingleStepErrors worst;
   for (const Body& body : wall_bodies()) {
     SCOPED_TRACE(body.name);
-    const Model& model = body.model;
-    const Scene scene(model);
-    const auto tables = tables_of(model, {});
-    const GlTwins twins = twins_of(tables, scene, uncut());
-    const double dt = 0.3 * twins.gl->stable_step();
-    for (int k = 0; k < 3; ++k) {
-      twins.gl->reset(random_state(model, 0.05 + 0.06 * k, 0.0, 29 + k));
-      const State start = twins.gl->read();  // as rounded
-      VecList u = start.position, exact(u.size());
-      for (std::size_t i = 0; i < u.size(); ++i) u[i] = (u[i] - model.rest[i]).cast<float>().cast<double>();
-      elastic_forces(*tables, start.position, exact);
-      ASSERT_TRUE(twins.gl->step(1, dt).ok());
-      const State moved = twins.gl->read();
-      worst = std::max(worst, share_of_bound(*tables, BoundedForces(*tables, u), moved.velocity, dt));
-      const double largest = largest_norm(exact);
-      for (Index i = 0; i < model.particle_count(); ++i) {
-        const Vec3 felt = tables->mass[i] / dt * moved.velocity[i];
-        worst_force = std::max(worst_force, (felt - exact[i]).norm() / largest);
-      }
-    }
+    const Scene scene(body.model);
+    const auto tables = tables_of(body.model, {});
+    worst.measure(twins_of(tables, scene, uncut()), *tables, 3, 0.06);
   }
-  std::printf("[   BOUND  ] worst error %.3f of the bound, %.2g of the largest force\n", worst, worst_force);
-  EXPECT_LE(worst_force, 4e-6);
+  worst.print();
+  EXPECT_LE(worst.of_force, 4e-6);
 }
 
 TEST_P(GlWall, RestIsAFixedPointToTheLastBit) {
   for (const Body& body : wall_bodies()) {
     SCOPED_TRACE(body.name);
     const Scene scene(body.model);
-    const GlTwins twins = twins_of(tables_of(body.model, {}), scene);
-    State start = rest_state(body.model);
-    for (Vec3& x : start.position) x += Vec3(0.125, -0.25, 0);
-    twins.gl->reset(start);
-    start = twins.gl->read();
-    ASSERT_TRUE(twins.gl->step(20, 0.3 * twins.gl->stable_step()).ok());
-    State end = twins.gl->read();
-    end.time = start.time;
-    EXPECT_EQ(difference(end, start), "");
+    expect_rest_is_kept(twins_of(tables_of(body.model, {}), scene), body.model, {0.125, -0.25, 0}, 20);
   }
 }
 

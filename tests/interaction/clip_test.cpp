@@ -15,107 +15,99 @@ namespace {
 
 constexpr double clip_dt = 0.5e-3;  // s
 
-TEST(Clip, ClosesToItsGapHoldsToItsForceThenSlipsAndComesOff) {
-  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
-  Scene scene(model);
-  scene.fix(std::vector<Index>{0});
-  Load load{.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.4}}, .direction = {1, 0, 0}};
-  scene.add(load);
-  const ThreadHandle clip =
-      scene.add_clip("clip", {.gap = 1e-3, .holding = 0.5, .opening = 4e-3}, at_particle(0), at_particle(1));
-  const auto solver = loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
-  const auto width = [&] { return solver->read().position[1].x() - solver->read().position[0].x(); };
-  const auto pull = [&](double force, int steps) {
+/// Of two particles, of which one is held, and pulled by 0.1 N at first.
+struct ClipOfTwo {
+  explicit ClipOfTwo(const Clip& clip) : scene(model) {
+    scene.fix(std::vector<Index>{0}).add(load);
+    scene.add_clip("clip", clip, at_particle(0), at_particle(1));
+    solver = loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
+  }
+  void pull(double force) {
     load.events = {{0.0, force}};
     scene.replace(1, load);
-    ASSERT_TRUE(solver->step(steps, clip_dt).ok());
-  };
-  ASSERT_TRUE(solver->step(400, clip_dt).ok());
-  EXPECT_NEAR(width(), 1e-3, 1e-5);
-  EXPECT_NEAR(solver->thread_state(clip).tension[1], 0.4, 1e-3);
-  pull(0.499, 400);
-  EXPECT_NEAR(width(), 1e-3, 1e-5);
-  pull(0.52, 60);
-  EXPECT_NEAR(solver->thread_state(clip).tension[1], 0.5, 1e-12);
-  const double slipped = width();
+  }
+  void step(int steps) { ASSERT_TRUE(solver->step(steps, clip_dt).ok()); }
+  double width() const { return solver->read().position[1].x() - solver->read().position[0].x(); }
+  ThreadHandle handle() { return scene.thread("clip"); }
+  double tension() { return solver->thread_state(handle()).tension[1]; }
+  Index pulled_out() { return solver->thread_state(handle()).pulled_out; }
+
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
+  Load load{.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.1}}, .direction = {1, 0, 0}};
+  Scene scene;
+  std::unique_ptr<Solver> solver;
+};
+
+TEST(Clip, ClosesToItsGapHoldsToItsForceThenSlipsAndComesOff) {
+  ClipOfTwo clip({.gap = 1e-3, .holding = 0.5, .opening = 4e-3});
+  clip.pull(0.4);
+  clip.step(400);
+  EXPECT_NEAR(clip.width(), 1e-3, 1e-5);
+  EXPECT_NEAR(clip.tension(), 0.4, 1e-3);
+  clip.pull(0.499);
+  clip.step(400);
+  EXPECT_NEAR(clip.width(), 1e-3, 1e-5);
+  clip.pull(0.52);
+  clip.step(60);
+  EXPECT_NEAR(clip.tension(), 0.5, 1e-12);
+  const double slipped = clip.width();
   EXPECT_GT(slipped, 1.2e-3);
-  pull(0.4, 400);  // it stays as far open
-  EXPECT_GT(width(), slipped - 1e-5);
-  EXPECT_NEAR(solver->thread_state(clip).tension[1], 0.4, 1e-3);
-  pull(1.0, 200);
-  EXPECT_EQ(solver->thread_state(clip).pulled_out, 1);
-  EXPECT_GT(width(), 0.01);
+  clip.pull(0.4);
+  clip.step(400);  // it stays as far open
+  EXPECT_GT(clip.width(), slipped - 1e-5);
+  EXPECT_NEAR(clip.tension(), 0.4, 1e-3);
+  clip.pull(1.0);
+  clip.step(200);
+  EXPECT_EQ(clip.pulled_out(), 1);
+  EXPECT_GT(clip.width(), 0.01);
 }
 
 /// It comes off as far open whatever the number of steps in which it closed.
 TEST(Clip, ComesOffOpenedByItsOpeningMoreThanAtFirst) {
   for (const int closing : {1, 10, 400}) {
-    const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
-    Scene scene(model);
-    scene.fix(std::vector<Index>{0});
-    Load load{.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.1}}, .direction = {1, 0, 0}};
-    scene.add(load);
-    const ThreadHandle clip =
-        scene.add_clip("clip", {.gap = 1e-3, .holding = 0.5, .opening = 4e-3}, at_particle(0), at_particle(1));
-    const auto solver = loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
-    ASSERT_TRUE(solver->step(closing, clip_dt).ok());
-    ASSERT_TRUE(solver->step(400, clip_dt).ok());
-    load.events = {{0.0, 0.51}};
-    scene.replace(1, load);
+    ClipOfTwo clip({.gap = 1e-3, .holding = 0.5, .opening = 4e-3});
+    clip.step(closing);
+    clip.step(400);
+    clip.pull(0.51);
     double width = 0.0;
-    for (int k = 0; k < 2000 && solver->thread_state(clip).pulled_out == 0; ++k) {
-      width = solver->read().position[1].x();
-      ASSERT_TRUE(solver->step(1, clip_dt).ok());
+    for (int k = 0; k < 2000 && clip.pulled_out() == 0; ++k) {
+      width = clip.width();
+      clip.step(1);
     }
-    EXPECT_EQ(solver->thread_state(clip).pulled_out, 1);
-    const double speed = solver->read().velocity[1].x();
+    EXPECT_EQ(clip.pulled_out(), 1);
+    const double speed = clip.solver->read().velocity[1].x();
     EXPECT_NEAR(width, 0.006 + 0.004, 2.0 * clip_dt * speed) << closing;
   }
 }
 
 /// Put on again it closes to its new gap.
 TEST(Clip, IsPutOnAgain) {
-  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
-  Scene scene(model);
-  scene.fix(std::vector<Index>{0});
-  scene.add({.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.1}}, .direction = {1, 0, 0}});
-  const ThreadHandle clip =
-      scene.add_clip("clip", {.gap = 4e-3, .holding = 0.5, .opening = 8e-3}, at_particle(0), at_particle(1));
-  const auto solver = loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
-  const auto width = [&] { return solver->read().position[1].x() - solver->read().position[0].x(); };
-  ASSERT_TRUE(solver->step(400, clip_dt).ok());
-  EXPECT_NEAR(width(), 4e-3, 1e-5);
-  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) clip.clamp(tip, 0.5, 2e-3);
-  ASSERT_TRUE(solver->step(400, clip_dt).ok());
-  ASSERT_TRUE(solver->step(400, clip_dt).ok());
-  EXPECT_NEAR(width(), 2e-3, 1e-5);
+  ClipOfTwo clip({.gap = 4e-3, .holding = 0.5, .opening = 8e-3});
+  clip.step(400);
+  EXPECT_NEAR(clip.width(), 4e-3, 1e-5);
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) clip.handle().clamp(tip, 0.5, 2e-3);
+  clip.step(400);
+  clip.step(400);
+  EXPECT_NEAR(clip.width(), 2e-3, 1e-5);
 }
 
 /// One that slipped closes again by the same call, and so it does in a recording.
 TEST(Clip, IsClosedAgainByTheSameValues) {
-  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
-  const auto make = [&](Scene& scene) {
-    scene.fix(std::vector<Index>{0});
-    scene.add({.type = LoadType::force, .particles = {1}, .events = {{0.0, 0.1}}, .direction = {1, 0, 0}});
-    scene.add_clip("clip", {.gap = 2e-3, .holding = 0.5, .opening = 8e-3}, at_particle(0), at_particle(1));
-    return loose_solver("reference", model, scene, {.damping = {.rate = 50.0}});
-  };
-  Scene scene(model), again(model);
-  const auto solver = make(scene), replayed = make(again);
-  const auto width = [&] { return solver->read().position[1].x() - solver->read().position[0].x(); };
-  ASSERT_TRUE(solver->step(400, clip_dt).ok());
-  State opened = solver->read();
+  const Clip given{.gap = 2e-3, .holding = 0.5, .opening = 8e-3};
+  ClipOfTwo clip(given), again(given);
+  clip.step(400);
+  State opened = clip.solver->read();
   opened.threads[0].rest_length[1] = opened.position[1].x() = 5e-3;
-  solver->reset(opened);
-  Recorder recorder(*solver, scene);
+  clip.solver->reset(opened);
+  Recorder recorder(*clip.solver, clip.scene);
   ASSERT_TRUE(recorder.step(200, clip_dt).ok());
-  EXPECT_NEAR(width(), 5e-3, 1e-5) << "it stays as far open";
-  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) scene.thread("clip").clamp(tip, 0.5, 2e-3);
+  EXPECT_NEAR(clip.width(), 5e-3, 1e-5) << "it stays as far open";
+  for (const ThreadTip tip : {ThreadTip::first, ThreadTip::last}) clip.handle().clamp(tip, 0.5, 2e-3);
   for (int k = 0; k < 2; ++k) ASSERT_TRUE(recorder.step(400, clip_dt).ok());
-  EXPECT_NEAR(width(), 2e-3, 1e-5);
-  Replay(recorder.recording(), *replayed, again).run();
-  EXPECT_EQ(replayed->read(), solver->read());
-  EXPECT_EQ(again.threads()[0].control, scene.threads()[0].control);
+  EXPECT_NEAR(clip.width(), 2e-3, 1e-5);
+  Replay(recorder.recording(), *again.solver, again.scene).run();
+  EXPECT_EQ(again.solver->read(), clip.solver->read());
+  EXPECT_EQ(again.scene.threads()[0].control, clip.scene.threads()[0].control);
 }
 
 /// Both walls of a slit between two slabs; the snapshot, and a scene made of it, have the clip.

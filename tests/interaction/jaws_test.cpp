@@ -132,6 +132,7 @@ TEST(Jaws, RefuseWhatMakesNoSense) {
   EXPECT_TRUE(refuses_with({.opening = 4.0}, "of at most 3 rad, got 4"));
   EXPECT_TRUE(refuses_with({.friction = -1.0}, "friction"));
   EXPECT_TRUE(refuses_with({.toughness = -1.0}, "expected a toughness (J/m^2) of 0 or more, got -1"));
+  EXPECT_TRUE(refuses([&] { Jaws(scene, "", {}, {}); }, "Jaws: expected a name, got an empty one"));
   EXPECT_TRUE(scene.tools().empty());
   scene.add_tool("k 2", {.shape = Sphere{0.001}});
   EXPECT_TRUE(refuses([&] { Jaws(scene, "k", {}, {}); }, "k 2"));

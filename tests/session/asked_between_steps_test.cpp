@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 #include <phymul/backend.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
+#include "support/stroke.h"
 
 namespace phymul::test {
 namespace {
@@ -166,6 +168,92 @@ TEST(AskedBetweenSteps, ToolsDoWhatWasAskedBeforeAStateThatIsRefused) {
     EXPECT_GT(sim.solver().held(hand), 0) << damaged;
     EXPECT_EQ(sim.pose_of(hand), above) << damaged;
   }
+}
+
+/// Whether a knot that broke is tied anew, over the ways that lead there.
+void tie_again(std::size_t kind) {
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 3), 100),
+                 {.material = asked_tissue, .backend = "reference"});
+  const ThreadHandle thread = sim.scene().fix("x0").sew("s", {}, VecList{{0.01, 0.01, 0.02}, {0.03, 0.01, 0.02}});
+  thread.tie(0, 1, 1);
+  ASSERT_TRUE(sim.step(1, 1e-4).ok());
+  State broken = sim.state();
+  KnotState& knot = broken.threads[0].knots.at(0);
+  const double apart = knot.rest_length;
+  knot = {.a = 0, .b = 1, .rest_length = 2.0 * apart, .broken = true};
+  sim.set_state(broken);
+  thread.tie(0, 1, 1);
+  if (kind == 1) {
+    ASSERT_TRUE(sim.cut(cut_plane({0.02, 0, 0.0102}, {0, 0, 1})));
+  }
+  if (kind == 2) sim.restore(sim.snapshot());
+  if (kind == 3) sim.set_state(sim.state());
+  if (kind == 4) sim.record();
+  ASSERT_TRUE(sim.step(1, kind == 5 ? 2e-5 : 1e-4).ok());
+  const KnotState& now = sim.solver().thread_state(thread).knots.at(0);
+  EXPECT_TRUE(!now.broken && std::abs(now.rest_length - apart) < 1e-3 * apart) << kind;
+}
+
+TEST(AskedBetweenSteps, AKnotThatBrokeIsTiedAgain) {
+  for (std::size_t kind = 0; kind < 6; ++kind) tie_again(kind);
+}
+
+/// Particles that it holds have lost cells.
+TEST_P(AskedBetweenStepsOn, AToolWeighsWhatIsLeftOfWhatItHolds) {
+  Simulation sim = held_cube(GetParam());
+  const ToolHandle hand = sim.scene().add_tool("hand", {.shape = Sphere{5e-3}, .pose = above_cube});
+  hand.grasp(8e-3);
+  ASSERT_TRUE(sim.advance(1e-3).ok());
+  const double before = sim.force_on(hand).held_mass;
+  const Index first = sim.state().tools.at(0).held.at(0);
+  const auto has_it = [&](const Cell& cell) { return std::ranges::count(cell.particles, first) > 0; };
+  const std::vector<Cell>& cells = sim.model().cells;
+  sim.remove_cells(std::vector{static_cast<Index>(std::ranges::find_if(cells, has_it) - cells.begin())});
+  const std::vector<Index> held = sim.state().tools.at(0).held;
+  double mass = 0.0;
+  for (const Index i : held) mass += sim.model().mass[i];
+  EXPECT_LT(mass, 0.999 * before);
+  EXPECT_NEAR(sim.force_on(hand).held_mass, mass, 1e-12 * mass);
+}
+
+TEST_P(AskedBetweenStepsOn, ACallWithoutStepsFindsNoStrain) {
+  Simulation sim = held_cube(GetParam());
+  State wide = sim.state();
+  for (Vec3& place : wide.position) place.x() *= 1.3;
+  sim.set_state(wide);
+  EXPECT_EQ(sim.step(0, 1e-4).growth, 0.0);
+  EXPECT_GT(sim.step(1, 1e-5).growth, 1.0);
+}
+
+/// Cells that a blade has passed, and that still wait for their cuts, are of the body, as its cuts are.
+TEST(AskedBetweenSteps, WhatABudgetLeavesStays) {
+  for (const bool at_rest : {false, true}) {
+    Stroke stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2);
+    for (int tick = 0; tick < 12; ++tick) stroke.go_on(1e-3);
+    stroke.sim.scene().remove_tool("scalpel");
+    const int later = stroke.sim.advance(0.0).cut_later;
+    ASSERT_GT(later, 5);
+    if (at_rest) {
+      ASSERT_TRUE(stroke.sim.solve_static().converged());
+    } else {
+      stroke.sim.set_state(stroke.sim.state());
+    }
+    EXPECT_EQ(stroke.sim.advance(0.0).cut_later, later) << at_rest;
+    EXPECT_EQ(stroke.sim.step(1, 0.3 * stroke.sim.step_limit()).cut_later, later - 2) << at_rest;
+  }
+}
+
+/// Of two cells the first does not part any more.
+TEST(AskedBetweenSteps, NothingRestsWhileACellWaits) {
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 3), 100),
+                 {.material = asked_tissue, .backend = "reference", .tick_budget = 1});
+  sim.scene().fix("z0");
+  Snapshot start = sim.snapshot();
+  start.start.cut_later = {{.cell = 0, .cut = {1.0, 1.0, 1.0, 1.0}}, {.cell = 40, .cut = {-1e-3, 1e-3, 1e-3, 1e-3}}};
+  sim.restore(start);
+  EXPECT_TRUE(sim.run_to_rest(20'000).converged());
+  EXPECT_EQ(sim.cuts().size(), 1u);
+  EXPECT_EQ(sim.advance(0.0).cut_later, 0);
 }
 
 }  // namespace

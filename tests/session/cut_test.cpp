@@ -75,38 +75,11 @@ TEST(Cut, LeavesTheTablesOfABodyBuiltAnew) {
   }
 }
 
-/// Strokes, removals and returns in any order.
-struct RandomEdits {
-  Simulation& sim;
-  const Model whole = sim.model();
-  std::vector<Snapshot> kept{sim.snapshot()};
-  std::mt19937 random{11};
-  int edits = 0, cuts = 0, refused = 0;
-
-  void make_one() {
-    const auto count = static_cast<Index>(sim.model().cells.size());
-    if (random() % 3 == 0) {
-      sim.remove_cells(std::vector<Index>{static_cast<Index>(random() % count)});
-    } else if (random() % 5 == 0) {
-      sim.restore(kept[random() % kept.size()]);
-    } else {
-      try {
-        cuts += sim.cut(random_plane(random, whole)) ? 1 : 0;
-      } catch (const Error& error) {
-        ASSERT_EQ(error.code(), ErrorCode::not_supported) << error.what();
-        ++refused;
-        sim.restore(kept.front());
-      }
-    }
-    if (++edits % 7 == 0 && kept.size() < 20) kept.push_back(sim.snapshot());
-  }
-};
-
 void edit_at_random(int edits) {
   Model model = slab();
   set_material(model, {5e3, 0.4, 1000.0});
   Simulation sim(with_spare_particles(model, 900), options_for("reference"));
-  RandomEdits random{sim};
+  RandomEdits random{sim, random_plane};
   FollowedSurface surface;
   for (int edit = 1; edit <= edits; ++edit) {
     ASSERT_NO_FATAL_FAILURE(random.make_one());
@@ -189,7 +162,7 @@ TEST_P(CutOn, MovesOnAsABodyBuiltAnew) {
 TEST_P(CutOn, MovesOnAfterManyEditsAsABodyBuiltAnew) {
   Simulation sim(with_spare_particles(slab(), 900), options_for(GetParam()));
   sim.scene().fix("x0").gravity({0, 0, -9.81});
-  RandomEdits random{sim};
+  RandomEdits random{sim, random_plane};
   while (random.edits < 1000) {
     ASSERT_NO_FATAL_FAILURE(random.make_one());
     if (random.edits % 50 != 0) continue;

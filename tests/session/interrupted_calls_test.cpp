@@ -7,6 +7,7 @@
 
 #include <stdexcept>
 
+#include "session/scene_bytes.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -91,6 +92,26 @@ TEST(InterruptedCalls, ARecordingOfOtherOptionsChangesNothing) {
   EXPECT_EQ(sim.scene().loads().size(), 1u);
   EXPECT_TRUE(sim.removed_cells().empty());
   EXPECT_NO_THROW((void)sim.recording());
+}
+
+/// By what only the recorded scene tells: its stable step.
+TEST(InterruptedCalls, ARecordingThatIsRefusedLeavesTheSceneAsItWas) {
+  Simulation other = swaying(), sim = swaying();
+  other.record();
+  ASSERT_TRUE(other.step(3, 1e-4).ok());
+  Recording recording = other.recording();
+  recording.options.stable_step *= 1.1;
+  sim.scene().gravity({0, 0, -2}).contacts({.friction = 0.7}).scale_stiffness(0.8).constrain_volume();
+  sim.scene().add(
+      {.type = LoadType::force, .particles = sim.model().group("z1"), .events = {{0.0, 1.0}}, .direction = {1, 0, 0}});
+  sim.scene().set_fluid("volume 1", {.law = FluidLaw::gas});
+  sim.scene().add_tool("ball", {.shape = Sphere{0.01}, .pose = {.position = {0.02, 0.02, 0.1}}});
+  ASSERT_TRUE(sim.step(3, 1e-4).ok());
+  const std::string scene = scene_change_bytes(sim.scene(), {}, true);
+  const Snapshot before = sim.snapshot();
+  EXPECT_TRUE(refuses([&] { sim.replay(recording); }, "expected a solver with stable_step()"));
+  EXPECT_TRUE(scene_change_bytes(sim.scene(), {}, true) == scene);
+  EXPECT_EQ(sim.snapshot(), before);
 }
 
 TEST(InterruptedCalls, ARecordingThatIsRefusedLeavesCutsOpen) {
@@ -224,7 +245,13 @@ TEST_P(Remainders, AddUpToAStep) {
   Simulation sim(make_block({0.04, 0.04, 0.04}, 3, 3, 3), {.material = soft_tissue(), .backend = GetParam()});
   sim.scene().fix("z0").gravity({0, 0, -9.81});
   const double dt = sim.advance(1e-3).dt;
-  for (int k = 0; k < 14; ++k) EXPECT_EQ(sim.step(2, 4e-8 * dt).steps, k < 12 ? 0 : 2) << k;
+  Snapshot half_way;
+  for (int k = 0; k < 14; ++k) {
+    if (k == 6) half_way = sim.snapshot();
+    EXPECT_EQ(sim.step(2, 4e-8 * dt).steps, k < 12 ? 0 : 2) << k;
+  }
+  sim.restore(half_way);
+  for (int k = 6; k < 14; ++k) EXPECT_EQ(sim.step(2, 4e-8 * dt).steps, k < 12 ? 0 : 2) << k;
 }
 
 PHYMUL_ON_EVERY_BACKEND(Remainders);

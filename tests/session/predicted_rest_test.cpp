@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "statics/grid_level.h"
-#include "statics/rest_changes.h"
+#include "statics/rest_body.h"
 #include "support/bodies.h"
 #include "support/failure_states.h"
 

@@ -195,7 +195,7 @@ Simulation overlapping(const Model& other) {
   return Simulation({{"a", one, soft}, {"b", other, soft}});
 }
 
-/// The edges are 10 mm long. The largest speed of 96 random pairs was 0.33 m/s (overlaps.cpp).
+/// The edges are 10 mm long. The largest speed of 96 random pairs was 0.33 m/s (warnings.cpp).
 TEST(SimulationWarnings, OverlapsUpToAQuarterOfAnEdgePartGently) {
   const double most = 0.25 * 0.01;
   for (const double turn : {0.0, 0.4}) {

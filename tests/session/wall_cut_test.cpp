@@ -58,32 +58,16 @@ TEST(WallCut, RandomEditsLeaveNoStaleRow) {
   for (const Named& body : bodies) {
     SCOPED_TRACE(body.name);
     Simulation sim(with_spare_particles(body.model, 400), without_material("cpu"));
-    const Snapshot whole = sim.snapshot();
-    std::mt19937 random(11);
-    std::vector<Snapshot> kept{whole};
-    int cuts = 0;
+    RandomEdits random{sim, plane_through_wall};
     for (int edit = 1; edit <= 300; ++edit) {
-      const auto count = static_cast<Index>(sim.model().cells.size());
-      if (random() % 3 == 0) {
-        const auto row = static_cast<Index>(random() % count);
-        if (sim.model().cells[row].type != CellType::line) sim.remove_cells(std::vector<Index>{row});
-      } else if (random() % 5 == 0) {
-        sim.restore(kept[random() % kept.size()]);
-      } else {
-        try {
-          cuts += sim.cut(plane_through_wall(random, body.model)) ? 1 : 0;
-        } catch (const Error& error) {
-          ASSERT_EQ(error.code(), ErrorCode::not_supported) << error.what();
-          sim.restore(whole);
-        }
-      }
-      if (edit % 7 == 0 && kept.size() < 10) kept.push_back(sim.snapshot());
+      ASSERT_NO_FATAL_FAILURE(random.make_one());
       if (edit % 10 != 0) continue;
       ASSERT_NO_FATAL_FAILURE(expect_tables_of_a_new_body(sim)) << edit;
       validate(sim.model());
       ASSERT_TRUE(sim.step(2, 0.5 * sim.step_limit()).ok()) << edit;
     }
-    EXPECT_GT(cuts, 80);
+    EXPECT_GT(random.cuts, 80);
+    const Snapshot& whole = random.kept.front();
     sim.restore(whole);
     const std::size_t walls = sim.solver().topology().walls.size();
     for (int again = 0; again < 3; ++again) {

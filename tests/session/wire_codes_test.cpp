@@ -10,8 +10,6 @@
 #include <vector>
 
 #include "session/scene_bytes.h"
-#include "session/thread_bytes.h"
-#include "session/tool_bytes.h"
 #include "support/message_of.h"
 
 namespace phymul {

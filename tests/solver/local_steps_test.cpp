@@ -7,7 +7,6 @@
 
 #include <random>
 
-#include "elastic/local_step_limit.h"
 #include "elastic/local_steps.h"
 #include "support/allocation_count.h"
 #include "support/bodies.h"

@@ -3,17 +3,20 @@
 // Plates and shells of known deflection. Each returns the relative error of a displacement under a small load.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <phymul/elasticity.h>
 #include <phymul/topology_textures.h>
 #include <phymul/wall.h>
 
 #include <Eigen/Sparse>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <numbers>
 #include <random>
+#include <span>
 
 #include "bodies.h"
 #include "elastic/force_wall.h"
@@ -108,6 +111,21 @@ inline Surface sphere_surface(double radius, int n) {
 inline Model wall_of(const Surface& surface, double young, double poisson, double thickness) {
   return make_wall(surface,
                    {.material = {.young = young, .poisson = poisson, .density = 1000.0, .thickness = thickness}});
+}
+
+/// Forces at x are the slope of the energy, by differences of `h`, m, at these particles.
+inline void expect_slope_of_energy(const TopologyTextures& tables, const VecList& x, double h,
+                                   std::span<const std::size_t> particles) {
+  const VecList force = forces_at(tables, x);
+  for (const std::size_t i : particles) {
+    for (int axis = 0; axis < 3; ++axis) {
+      VecList up = x, down = x;
+      up[i][axis] += h;
+      down[i][axis] -= h;
+      const double slope = (elastic_energy(tables, up) - elastic_energy(tables, down)) / (2.0 * h);
+      EXPECT_NEAR(force[i][axis], -slope, 2e-5 * largest_norm(force)) << "particle " << i << ", axis " << axis;
+    }
+  }
 }
 
 /// Newton's method for walls alone.

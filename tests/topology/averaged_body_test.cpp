@@ -9,7 +9,6 @@
 #include "support/bodies.h"
 #include "support/message_of.h"
 #include "topology/averaged_body.h"
-#include "topology/stabiliser.h"
 
 namespace phymul::test {
 namespace {

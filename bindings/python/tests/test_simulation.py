@@ -269,6 +269,10 @@ class States(Refusals):
             push = again.add_load("force", "z1", (0, 0, 1), 1.0)
             self.refused(ErrorCode.FILE_ACCESS, "none", again.replay, pathlib.Path(folder) / "none")
             push.set(2.0)  # the scene is as it was
+            other = block(damping=3)
+            kept = other.add_load("force", "z1", (0, 0, 1), 1.0)
+            self.refused(ErrorCode.INVALID_ARGUMENT, "damping", other.replay, pathlib.Path(folder) / "run")
+            kept.set(2.0)
             again.replay(pathlib.Path(folder) / "run")
             self.refused(ErrorCode.UNKNOWN_NAME, "load is gone", push.set, 0.0)
         np.testing.assert_array_equal(again.positions, there)

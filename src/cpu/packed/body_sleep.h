@@ -18,11 +18,32 @@
 #include <vector>
 
 #include "base/thread_pool.h"
+#include "cpu/simd/job.h"
 #include "device/float_range.h"
 #include "packed_body.h"
-#include "part_summary.h"
 
 namespace phymul::cpu {
+
+// The summaries of the moving pass: one per part, and the reduction over all parts.
+
+/// A line of the caches for each part.
+struct alignas(64) PartSummary {
+  simd::MoveSummary summary;
+};
+
+inline simd::MoveSummary summary_of(std::span<const PartSummary> parts) {
+  simd::MoveSummary all;
+  for (const auto& [part] : parts) {
+    all.acceleration = std::max(all.acceleration, part.acceleration);
+    all.force = std::max(all.force, part.force);
+    all.speed = std::max(all.speed, part.speed);
+    all.motion = std::max(all.motion, part.motion);
+    all.displacement = std::max(all.displacement, part.displacement);
+    all.runaway = all.runaway || part.runaway;
+    all.cut = all.cut || part.cut;
+  }
+  return all;
+}
 
 /// A body of Law::particle_averaged divided into blocks of neighbouring particles, and what their motion depends on.
 /// Block b has the places b * size ... (b + 1) * size - 1. The division depends on nothing but the order of places,

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "packed_state.h"
-#include "statics/padded_vectors.h"
+#include "statics/block_matrix.h"
 
 namespace phymul::cpu {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "packed_runs.h"
+#include "packed_averages.h"
 
 #include <algorithm>
 #include <functional>

@@ -216,7 +216,7 @@ void PackedTools::reset(const Scene& scene, const State& state) {
 
 void PackedTools::accept(const simd::MoveSummary& moved, double dt) {
   set_.accept();
-  touching_.accept();
+  touching_.accept(dt);
   farthest_ = std::sqrt(double{moved.displacement}) + farthest_shift_;
   gone_ += longest_way(moved, dt) + farthest_shift_;
 }

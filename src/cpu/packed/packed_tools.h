@@ -46,6 +46,7 @@ class PackedTools {
     set_.read(scene, state);
     touching_.read(scene, state);
   }
+  double flow() const { return touching_.flow(); }  ///< m/s, KeptVolumes::flow()
   int lost_volume() const { return lost_volume_; }  ///< by the last act(): a row; -1: none
   char* loads() { return reinterpret_cast<char*>(load_.data()); }
   /// After the last pass of a step.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "simd_solver.h"
+#include "cpu/cpu_backends.h"
 
 #include <phymul/backend.h>
 
@@ -21,7 +21,6 @@
 #include "packed_local_steps.h"
 #include "packed_state.h"
 #include "packed_tools.h"
-#include "part_summary.h"
 #include "simd_profile.h"
 #include "solver/step_order.h"
 
@@ -282,8 +281,9 @@ class SimdSolver final : public SolverBackend {
     laps_.end_step(!tools_.set().empty(), tools_.touches());
   }
 
-  static RestThresholds rest_now(const StepPlan& plan, const Motion& motion) {
-    return rest_thresholds({plan.speed_at_rest, plan.acceleration_at_rest}, motion.max_displacement, plan.omega_max);
+  RestThresholds rest_now(const StepPlan& plan, const Motion& motion) const {
+    const RestThresholds in_double{plan.speed_at_rest, plan.acceleration_at_rest};
+    return with_flow(tools_.flow(), rest_thresholds(in_double, motion.max_displacement, plan.omega_max));
   }
 
   simd::MoveSummary moved() const { return sleep_ ? sleep_->summary() : summary_of(summaries_); }
@@ -382,8 +382,7 @@ class SimdSolver final : public SolverBackend {
   Floats force_, pull_;
   double time_ = 0.0, last_dt_ = 0.0;
   int steps_at_rest_ = 0;
-  // Of the step in question.
-  simd::Move move_;
+  simd::Move move_;  // of the step in question, as the next two
   simd::MoveSummary summary_;
   bool pushed_ = false;
   WorkLaps laps_, no_laps_;

@@ -5,7 +5,6 @@
 
 #include "averaged_runs.h"
 #include "base_terms.h"
-#include "dissipation_terms.h"
 #include "enumerated_terms.h"
 #include "move.h"
 #include "row_terms.h"

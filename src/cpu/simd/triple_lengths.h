@@ -13,7 +13,7 @@
 // S_kl = sum of +- h_t c_t. As x_k x x_l = E_k x E_l at rest and x = E + 2 h, the first is
 //   sum over k < l of H (E_k x h_l + h_k x E_l + 2 h_k x h_l) = sum over k of h_k x (A_k + sum over l > k of 2 H h_l)
 // with constants A_k = sum over l > k of H_kl E_l - sum over l < k of H_lk E_l.
-// What it costs: y is rounded as by 1 / sin^2 of the angle between edges 1 and 2 where triple_normals.h has 1 / sin,
+// What it costs: y is rounded as by 1 / sin^2 of the angle between edges 1 and 2 where pull_by_normals() has 1 / sin,
 // and a triple is taken only as long as its edges and area are within bounds.
 #pragma once
 

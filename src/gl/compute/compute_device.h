@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "compute_passes.h"
-#include "gl/solver/report_copy.h"
+#include "gl/solver/state_copies.h"
 
 namespace phymul::gl {
 
@@ -57,7 +57,6 @@ class ComputeDevice final : public Device {
   BatchReport report() override;
   void open_step() override;
   void gather(std::span<const Index> rows) override;
-  double fastest() override { return report().max_speed; }
   void read_gathered(std::span<OpenRow> rows) override { loads_->open()->read(rows, loads_->rows()); }
   void close_step(std::span<const Push> pushes) override;
   void go_back() override { state_.go_back(); }

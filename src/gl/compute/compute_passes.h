@@ -3,7 +3,7 @@
 // The passes of a step, dispatched: forces of attractors, terms of bases, volumes, walls and domains in one dispatch
 // (bases of the averaged reaction, which read forces, in a second), net force and Verlet in another. Where bodies touch
 // or the host acts, another one before it finds where each particle would go by itself and by tools; then the host does
-// its part, or come the passes of contact_passes.h, and the last one ends what those began. Where the device keeps
+// its part, or come the passes of ContactPasses, and the last one ends what those began. Where the device keeps
 // volumes, sums over their facets and the end of the step are two dispatches more behind it, or three.
 #pragma once
 
@@ -13,10 +13,32 @@
 
 #include "compute_loads.h"
 #include "compute_state.h"
-#include "contact_passes.h"
 #include "gl/solver/device.h"
 
 namespace phymul::gl {
+
+/// The passes of a step in which bodies touch, between free_kernel.glsl and the motion: the grid, who meets whom, the
+/// order in which contacts are pressed, their sweeps, and what they come to. Made where a scene has contacts.
+class ContactPasses {
+ public:
+  /// Compiles.
+  ContactPasses(const ShaderLibrary& library, const ComputeTables& tables, const ComputeLimits& limits);
+
+  void set_contacts(const ComputeLoads& loads);
+  void set_step(double dt);
+
+  /// Of the state in a pair, once the free pass has written its rows of the loads.
+  void act(int pair);
+
+ private:
+  void order(const ComputeContacts::Lists& lists, std::int64_t most);
+  int press_dispatches() const;
+
+  const ComputeTables* tables_;
+  int group_, most_turns_;
+  Kernel grid_, order_, search_, queue_, press_, part_;
+  const ComputeLoads* loads_ = nullptr;
+};
 
 class ComputePasses {
  public:

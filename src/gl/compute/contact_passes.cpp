@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "contact_passes.h"
+#include "compute_passes.h"
 
 #include <algorithm>
 #include <bit>

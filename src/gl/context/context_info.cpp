@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "context.h"
 #include "gl_api.h"
 
 namespace phymul::gl {
@@ -84,7 +85,6 @@ ContextInfo read_context_info() {
   info.max_texture_size = integer_of(GL_MAX_TEXTURE_SIZE);
   info.max_color_attachments = integer_of(GL_MAX_COLOR_ATTACHMENTS);
   info.max_draw_buffers = integer_of(GL_MAX_DRAW_BUFFERS);
-  info.max_texture_units = integer_of(GL_MAX_TEXTURE_IMAGE_UNITS);
   info.has_robustness =
       can_report_reset(info) && integer_of(GL_RESET_NOTIFICATION_STRATEGY) == GL_LOSE_CONTEXT_ON_RESET;
   forget_errors();
@@ -107,6 +107,15 @@ bool was_reset(const ContextInfo& info) {
   }
   const auto query = reinterpret_cast<GLenum(GLAPIENTRY*)()>(eglGetProcAddress(name));
   return query && query() != GL_NO_ERROR;
+}
+
+bool Context::lost() noexcept {
+  if (lost_) return true;
+  try {
+    lost_ = run([this] { return was_reset(info_); });
+  } catch (...) {  // a context that cannot be made current is not therefore lost; call() has noted it if it is
+  }
+  return lost_;
 }
 
 }  // namespace phymul::gl

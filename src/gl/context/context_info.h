@@ -24,7 +24,6 @@ struct ContextInfo {
   int max_texture_size = 0;
   int max_color_attachments = 0;
   int max_draw_buffers = 0;
-  int max_texture_units = 0;            ///< of a fragment shader
   bool has_robustness = false;          ///< a reset of the device can be asked for, and takes no other context along
   std::vector<std::string> extensions;  ///< sorted
 

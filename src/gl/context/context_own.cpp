@@ -3,19 +3,127 @@
 
 #include <phymul/error.h>
 
+#include <dlfcn.h>
 #include <array>
 #include <cstdlib>
-#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "context_current.h"
+#include "context_info.h"
 #include "egl_display.h"
 #include "gl_functions.h"
-#include "guard_egl.h"
+#include "guard_state.h"
 
 namespace phymul::gl {
 namespace {
+
+/// GlContext::current: the context that is current when this is made, EGL's or GLX's, and must be at every call.
+class CurrentContext : public Context {
+ public:
+  explicit CurrentContext(GlBackend backend);
+
+ private:
+  void call(Task task, void* argument) override;
+
+  void* handle_ = nullptr;  ///< which context
+  bool inside_ = false;     ///< a call is running
+};
+
+/// glXGetCurrentContext of a process that uses GLX; null in others. A host that does has loaded one of these.
+void* glx_context() {
+  using Query = void* (*)();
+  static const Query query = [] {
+    for (const char* library : {"libGLX.so.0", "libGL.so.1"}) {
+      void* const loaded = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);
+      if (!loaded) continue;
+      if (void* const symbol = dlsym(loaded, "glXGetCurrentContext")) return reinterpret_cast<Query>(symbol);
+      dlclose(loaded);
+    }
+    return Query{};
+  }();
+  return query ? query() : nullptr;
+}
+
+void* current_handle() {
+  const EGLContext context = eglGetCurrentContext();
+  return context != EGL_NO_CONTEXT ? context : glx_context();
+}
+
+CurrentContext::CurrentContext(GlBackend backend) : handle_(current_handle()) {
+  if (!handle_) {
+    throw Error(
+        ErrorCode::device,
+        "GlContext::current: no context of EGL or GLX is current on this thread; make the host's current first");
+  }
+  load_functions();
+  info_ = read_context_info();
+  require_backend(info_, backend);
+  info_.display = "the host's context";
+}
+
+void CurrentContext::call(Task task, void* argument) {
+  if (inside_) return task(argument);
+  if (current_handle() != handle_) {
+    throw Unreachable(
+        "GlContext::current: the context that was current when the solver was made is not current on this thread now; "
+        "make it current before every call");
+  }
+  struct Inside {
+    bool& flag;
+    explicit Inside(bool& f) : flag(f) { flag = true; }
+    ~Inside() { flag = false; }
+  };
+  const StateGuard guard(info_);
+  const Inside inside(inside_);
+  task(argument);
+}
+
+constexpr int most_messages = 10;
+
+void GLAPIENTRY receive(GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* text, const void* log) noexcept {
+  if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return;
+  static_cast<DebugLog*>(const_cast<void*>(log))->add(text);
+}
+
+/// What EGL has bound to this thread, to be bound again: context, display, both surfaces and the API. Costs some
+/// microseconds.
+class EglGuard {
+ public:
+  EglGuard();
+  ~EglGuard();
+  EglGuard(const EglGuard&) = delete;
+  EglGuard& operator=(const EglGuard&) = delete;
+
+  EGLContext context() const { return context_; }  ///< of the host; EGL_NO_CONTEXT: none
+
+ private:
+  EGLenum api_;
+  EGLContext context_;
+  EGLDisplay display_;
+  EGLSurface draw_, read_;
+};
+
+EglGuard::EglGuard() : api_(eglQueryAPI()) {
+  // The current context is asked for per API; OpenGL and OpenGL ES share one answer, OpenVG has another.
+  eglBindAPI(EGL_OPENGL_ES_API);
+  context_ = eglGetCurrentContext();
+  display_ = eglGetCurrentDisplay();
+  draw_ = eglGetCurrentSurface(EGL_DRAW);
+  read_ = eglGetCurrentSurface(EGL_READ);
+}
+
+EglGuard::~EglGuard() {
+  eglBindAPI(EGL_OPENGL_ES_API);
+  if (eglGetCurrentContext() != context_) {
+    if (context_ != EGL_NO_CONTEXT) {
+      eglMakeCurrent(display_, draw_, read_, context_);
+    } else {
+      eglMakeCurrent(eglGetCurrentDisplay(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    }
+  }
+  eglBindAPI(api_);
+}
 
 /// One way to ask for a context. Drivers give a later version that holds the one asked for.
 struct Request {
@@ -54,6 +162,35 @@ bool wants_debug(const GlOptions& options) {
 }
 
 }  // namespace
+
+void DebugLog::listen(const ContextInfo& info) {
+  const bool in_core = info.es ? info.at_least(3, 2) : info.at_least(4, 3);
+  if (!in_core && !info.has("GL_KHR_debug")) return;
+  const char* name = info.es && !in_core ? "glDebugMessageCallbackKHR" : "glDebugMessageCallback";
+  const auto callback = reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(eglGetProcAddress(name));
+  if (!callback) return;
+  callback(receive, this);
+  glEnable(GL_DEBUG_OUTPUT);
+  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+}
+
+void DebugLog::add(const std::string& message) {
+  const std::lock_guard lock(mutex_);
+  if (++count_ <= most_messages) messages_ += (messages_.empty() ? "" : "; ") + message;
+}
+
+void DebugLog::throw_errors() {
+  std::string messages;
+  int count = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    messages = std::exchange(messages_, {});
+    count = std::exchange(count_, 0);
+  }
+  if (count == 0) return;
+  throw Error(ErrorCode::device,
+              "GL reports " + std::to_string(count) + (count == 1 ? " error: " : " errors: ") + messages);
+}
 
 /// Makes contexts on one display, and keeps a list of what failed.
 class OwnContextMaker {

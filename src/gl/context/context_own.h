@@ -1,11 +1,34 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <mutex>
+#include <string>
+
 #include "context.h"
-#include "context_debug.h"
 #include "gl_api.h"
 
 namespace phymul::gl {
+
+/// Errors of GL's debug output.
+class DebugLog {
+ public:
+  DebugLog() = default;
+  DebugLog(const DebugLog&) = delete;  // GL holds its address
+  DebugLog& operator=(const DebugLog&) = delete;
+
+  /// From now on the current context's errors come here, at the call that makes them. Nothing where the context has no
+  /// debug output.
+  void listen(const ContextInfo& info);
+
+  void add(const std::string& message);
+  /// Throws Error with the messages since the last call, if there were any.
+  void throw_errors();
+
+ private:
+  std::mutex mutex_;  // a driver may report from a thread of its own
+  std::string messages_;
+  int count_ = 0;
+};
 
 /// GlContext::own: made through EGL without a window, current on the caller's thread for the time of a call.
 class OwnContext : public Context {

@@ -111,7 +111,7 @@ void StateGuard::keep_bindings() {
 
 void StateGuard::keep_units() {
   keep(GL_ACTIVE_TEXTURE, [](GLuint unit) { glActiveTexture(unit); });
-  for (int k = 0; k < std::min(texture_units, info_.max_texture_units); ++k) {
+  for (int k = 0; k < texture_units; ++k) {
     const auto unit = static_cast<GLuint>(k);
     glActiveTexture(GL_TEXTURE0 + unit);
     keep(GL_TEXTURE_BINDING_2D, [](GLuint name) { glBindTexture(GL_TEXTURE_2D, name); });

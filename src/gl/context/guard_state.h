@@ -15,7 +15,8 @@ namespace phymul::gl {
 /// A host calls outside of its own active queries, conditional rendering and transform feedback.
 class StateGuard {
  public:
-  static constexpr int texture_units = 16;   ///< of 2D and 2D array textures, and samplers
+  /// Of 2D and 2D array textures, and samplers. OpenGL 3.3 and OpenGL ES 3.0 promise as many to a shader.
+  static constexpr int texture_units = 16;
   static constexpr int uniform_buffers = 4;  ///< indexed bindings
   static constexpr int storage_buffers = 4;  ///< indexed bindings, where there are any
 

@@ -12,7 +12,7 @@
 #include "fragment_scene.h"
 #include "gl/objects/pass_timer.h"
 #include "gl/solver/device.h"
-#include "gl/solver/report_copy.h"
+#include "gl/solver/state_copies.h"
 
 namespace phymul::gl {
 
@@ -56,7 +56,6 @@ class FragmentDevice final : public Device {
   BatchReport report() override { return report(state_.displacement(), state_.velocity()); }
   void open_step() override;
   void gather(std::span<const Index> rows) override;
-  double fastest() override { return report(state_.displacement(), state_.velocity()).max_speed; }
   void read_gathered(std::span<OpenRow> rows) override { scene_->open->read(rows); }
   void close_step(std::span<const Push> pushes) override;
   void go_back() override { state_.go_back(); }

@@ -196,8 +196,8 @@ void FragmentPasses::set_scene(FragmentScene& scene) {
 
 void FragmentPasses::make_passes(const StepKind& kind) {
   if (kind.tools && !net_) {
-    Texture net = Texture::target(tables_->kind().particles, "net forces");
-    net_target_ = Framebuffer({{&net}});
+    Texture net = Texture::target(tables_->kind().particles, "net forces", 2);
+    net_target_ = Framebuffer({{&net, 0}, {&net, 1}});
     net_ = std::move(net);
   }
   auto found = std::ranges::find(stepping_, kind, &Stepping::kind);
@@ -241,9 +241,7 @@ void FragmentPasses::bind_volumes() {
 void FragmentPasses::set_constants(const StepConstants& constants) {
   dt_ = constants.dt;
   last_dt_ = constants.last_dt > 0.0 ? constants.last_dt : constants.dt;
-  const float largest = to_float(constants.largest_acceleration);
-  gathering_pass().set("largest_acceleration", largest);
-  if (now_->kind.tools) now_->tools.set("largest_acceleration", largest);
+  gathering_pass().set("largest_acceleration", to_float(constants.largest_acceleration));
   if (scene_->joints) {
     now_->joints.set("inverse_dt", static_cast<float>(1.0 / constants.dt));
     now_->joints.set("tools_at_once", constants.tools_at_once ? 1 : 0);

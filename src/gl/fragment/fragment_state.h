@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "device/float_dissipation.h"
+#include "device/float_domains.h"
 #include "gl/objects/pass.h"
 #include "gl/solver/body_kind.h"
 #include "gl/solver/state_copies.h"

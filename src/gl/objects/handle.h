@@ -3,9 +3,11 @@
 // Handle: the name of one GL object, which is deleted with it. Lives and dies in a current context.
 #pragma once
 
-#include "gl/context/gl_api.h"
-
+#include <cstddef>
 #include <utility>
+#include <vector>
+
+#include "gl/context/gl_api.h"
 
 namespace phymul::gl {
 
@@ -57,5 +59,26 @@ struct TextureKind {
 struct VertexArrayKind {
   static void remove(GLuint name) { glDeleteVertexArrays(1, &name); }
 };
+
+// What the device wrote to a buffer, for the processor to read.
+
+/// Calls use(const void*) with the first `bytes` of the buffer bound to `target`. Waits for the device. False, and not
+/// called, where the driver gives none.
+template <class Use>
+bool read_buffer(GLenum target, GLsizeiptr bytes, Use&& use) {
+#ifdef __EMSCRIPTEN__
+  // WebGL maps no buffers.
+  std::vector<std::byte> copy(static_cast<std::size_t>(bytes));
+  glGetBufferSubData(target, 0, bytes, copy.data());
+  use(copy.data());
+  return true;
+#else
+  const void* const from = glMapBufferRange(target, 0, bytes, GL_MAP_READ_BIT);
+  if (!from) return false;
+  use(from);
+  glUnmapBuffer(target);
+  return true;
+#endif
+}
 
 }  // namespace phymul::gl

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "gl/context/guard_state.h"
 #include "pass_timer.h"
 
 namespace phymul::gl {
@@ -28,11 +29,9 @@ void Pass::input(const char* name, const Texture& texture) {
     unused_.emplace_back(name);
     return;
   }
-  GLint units = 0;
-  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
-  if (static_cast<GLint>(inputs_.size()) >= units) {
-    throw Error(ErrorCode::not_supported,
-                "a pass reads more textures than the " + std::to_string(units) + " this driver binds at a time");
+  if (inputs_.size() == StateGuard::texture_units) {
+    throw Error(name_ + " reads more than the " + std::to_string(StateGuard::texture_units) +
+                " textures that every driver binds at a time");
   }
   const GLint place_location = program_.uniform((std::string(name) + "_place").c_str());
   glUseProgram(program_.id());

@@ -18,7 +18,7 @@ class Pass {
   Pass(const ShaderLibrary& library, const ShaderRequest& request);
 
   /// The texture behind sampler `name`, and the uniform `name`_place that finds a row in it. Stays until the next call;
-  /// one the shader does not use is passed over.
+  /// one the shader does not use is passed over. Throws Error above StateGuard::texture_units of them.
   void input(const char* name, const Texture& texture);
 
   /// For uniforms, which stay too. Makes the program current.

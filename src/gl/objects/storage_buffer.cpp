@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-#include "mapped_buffer.h"
+#include "handle.h"
 
 namespace phymul::gl {
 namespace {

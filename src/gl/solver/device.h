@@ -102,7 +102,6 @@ class Device {
   virtual void open_step() = 0;  ///< up to where each particle would go by itself
   /// Starts to; may be called again after read_gathered(). Where no step is open only displacements mean something.
   virtual void gather(std::span<const Index> rows) = 0;
-  virtual double fastest() = 0;                             ///< m/s: no particle would be faster. Waits for the device
   virtual void read_gathered(std::span<OpenRow> rows) = 0;  ///< of the last gather(). Waits for the device
   /// No two of a particle. The step's end becomes the present state, which report() then tells of.
   virtual void close_step(std::span<const Push> pushes) = 0;

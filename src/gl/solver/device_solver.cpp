@@ -11,7 +11,7 @@
 #include "device/float_tables.h"
 #include "gl/fragment/fragment_device.h"
 #include "interaction/tool_shape.h"
-#include "model/tissue_surface.h"
+#include "model/outer_faces.h"
 
 namespace phymul::gl {
 namespace {

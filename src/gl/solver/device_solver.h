@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "device.h"
-#include "device/float_dissipation.h"
+#include "device/float_domains.h"
 #include "device/float_tables.h"
 #include "device_step.h"
 #include "gl/context/context.h"

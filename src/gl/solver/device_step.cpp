@@ -79,7 +79,7 @@ void DeviceStep::begin(Device& device, double dt, double largest_displacement) {
   used_.clear();
   device.open_step();
   gather();
-  going_ = (1.0 + of_floats) * dt * device.fastest() + rounding_;
+  going_ = (1.0 + of_floats) * dt * device.report().max_speed + rounding_;
   take();
 }
 

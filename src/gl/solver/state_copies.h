@@ -4,19 +4,45 @@
 // each with a fence, of copies that nobody waits for.
 #pragma once
 
-#include "gl/context/gl_api.h"
-
 #include <phymul/state.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "device.h"
 #include "device/table_rows.h"
+#include "gl/context/gl_api.h"
+#include "gl/objects/handle.h"
 
 namespace phymul::gl {
+
+/// ReportCopy: the two rows of a report, and behind them what tools have felt and which volumes were lost, read from
+/// the device at a time.
+class ReportCopy {
+ public:
+  /// `fill` gives the commands that write events, largest and so many rows more, 16 bytes each, to the buffer bound to
+  /// GL_PIXEL_PACK_BUFFER. Waits for them.
+  template <class Fill>
+  BatchReport read(std::int64_t more_rows, Fill&& fill) {
+    begin(static_cast<std::size_t>(more_rows));
+    fill();
+    return end();
+  }
+  /// The rows behind, of the report last read.
+  const std::vector<Float4>& more() const { return more_; }
+
+ private:
+  void begin(std::size_t more_rows);
+  BatchReport end();
+  GLsizeiptr bytes() const;
+
+  Handle<BufferKind> buffer_;
+  std::vector<Float4> more_;
+};
 
 /// Where the rows of particles are; empty: in the model's order.
 using PlaceOf = std::span<const Index>;
@@ -75,10 +101,7 @@ class StateCopies {
     GLuint buffer = 0;
     GLsync fence = nullptr;
     std::size_t rows = 0;
-    double time = 0.0;
-    std::vector<ToolState> tools;
-    std::vector<JointState> joints;
-    std::vector<ThreadState> threads;
+    State header;  // without places and velocities
   };
   void drop(Copy& copy);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thread_contacts.h"
+#include "thread_set.h"
 
 #include <algorithm>
 #include <cmath>

@@ -33,9 +33,8 @@ void ThreadPath::follow(const ThreadControl& control, std::span<const double> ma
       if (known_) state_.anchored[tip] = false;
     }
   }
-  for (const Knot& knot : control.knots) {
-    if (known_ && std::ranges::count(control_.knots, knot.call, &Knot::call) == 0) tied_.push_back(knot);
-  }
+  control_.ends = control.ends;
+  if (known_) tie_again(control.knots);
   known_ = true;
   control_ = control;
   for (std::size_t p = state_.passages.size(); p-- > 0;) {
@@ -131,61 +130,6 @@ void ThreadPath::set_first_lengths() {
 std::size_t ThreadPath::point_of(Index row) const {
   const auto own = std::ranges::find(next_.passages, row);
   return own == next_.passages.end() ? 0 : static_cast<std::size_t>(own - next_.passages.begin()) + 1;
-}
-
-/// Thread for a knot comes from the free tails, half from each, or more from the one that has more.
-void ThreadPath::take_from_tails(double length) {
-  double &first = next_.rest_length.front(), &last = next_.rest_length.back();
-  const double of_first = is_anchored(0) ? 0.0 : first, of_last = is_anchored(1) ? 0.0 : last;
-  const double least = std::max(length - of_last, 0.0);
-  const double taken = std::min(of_first, std::max(std::min(0.5 * length, of_first), least));
-  first -= taken;
-  last -= std::min(length - taken, of_last);
-}
-
-/// And goes back there, but for what the tails lacked: the thread does not grow.
-void ThreadPath::give_to_tails(double length) {
-  double left = thread_.length;
-  for (const double rest : next_.rest_length) left -= rest;
-  for (const KnotState& knot : next_.knots) left -= knot.rest_length;
-  const double given = std::clamp(left + length, 0.0, length);  // the knot is one of them
-  const double share = is_anchored(0) ? 0.0 : is_anchored(1) ? 1.0 : 0.5;
-  next_.rest_length.front() += share * given;
-  if (!is_anchored(1)) next_.rest_length.back() += (1.0 - share) * given;
-}
-
-void ThreadPath::take_over_knots() {
-  const auto same_as = [](const auto& knot) {
-    return [&knot](const auto& other) { return other.a == knot.a && other.b == knot.b; };
-  };
-  const auto is_gone = [&](const KnotState& known) {
-    return std::ranges::none_of(control_.knots, same_as(known)) ||
-           (known.broken && std::ranges::any_of(tied_, same_as(known)));
-  };
-  for (KnotState& known : next_.knots) {
-    if (!is_gone(known)) continue;
-    give_to_tails(known.rest_length);
-    known.rest_length = 0.0;
-  }
-  std::erase_if(next_.knots, is_gone);
-  for (const Knot& knot : control_.knots) {
-    if (static_cast<std::size_t>(knot.b) >= passages_.size()) continue;  // a needle may make it
-    const std::size_t a = point_of(knot.a), b = point_of(knot.b);
-    auto own = std::ranges::find_if(next_.knots, same_as(knot));
-    if (own == next_.knots.end()) {
-      const double rest = a > 0 && b > 0 ? (start_[b] - start_[a]).norm() : 0.0;
-      own = next_.knots.insert(own, {.a = knot.a, .b = knot.b, .rest_length = rest});
-      take_from_tails(rest);
-    }
-    own->broken = own->broken || a == 0 || b == 0;
-  }
-  for (const KnotState& knot : next_.knots) {
-    if (knot.broken) continue;
-    const std::size_t a = point_of(knot.a), b = point_of(knot.b);
-    const int throws = std::ranges::find_if(control_.knots, same_as(knot))->throws;
-    locked_[a - 1] = locked_[b - 1] = 1;
-    pieces_.push_back({.a = a, .b = b, .rest = knot.rest_length, .most = throws * thread_.throw_holding});
-  }
 }
 
 void ThreadPath::list_pieces(const std::array<Outside, 2>& tips) {

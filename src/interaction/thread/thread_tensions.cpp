@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thread_tensions.h"
+#include "thread_path.h"
 
 #include <algorithm>
 

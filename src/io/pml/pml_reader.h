@@ -90,7 +90,7 @@ class PmlReader {
   void note_defaults();
   void finish_particles();
 
-  // pml_read_bodies.cpp: what the attribute bodyType adds
+  // pml_read_neighbourhoods.cpp: what the attribute bodyType adds
   void take_body_constants();
   void take_masses_of_densities();
   void add_bodies_to_weigh();

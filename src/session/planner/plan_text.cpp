@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "plan_text.h"
+#include "planner.h"
 
 #include <cmath>
 #include <cstdarg>

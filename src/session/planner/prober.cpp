@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "prober.h"
+#include "planner.h"
 
 #include <algorithm>
 #include <cmath>
