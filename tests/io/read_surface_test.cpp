@@ -130,6 +130,12 @@ TEST(ReadSurface, GlbWithChunksThatAreNotFilledUp) {
       expect_box("box.glb", glb_of(json, std::string(filled, ' '), std::string(1, '\0')), 1.0);
     }
   }
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const std::string whole = glb_of(json, "", "");
+  const std::size_t data = 20 + json.size(), size = whole.size() - data - 8;
+  EXPECT_TRUE(says(reading_surface("box.glb", whole.substr(0, whole.size() - 10), 1.0),
+                   "the chunk at byte " + std::to_string(data) + " says that it has " + std::to_string(size) +
+                       " bytes, but the file ends after " + std::to_string(size - 10)));
 }
 
 TEST(ReadSurface, SaysWhatItMendedByFile) {
