@@ -292,7 +292,7 @@ TEST(ShaderLibraryLog, PlacesOfThreeDriversAreRead) {
 TEST_F(GlObjects, BuiltInShadersAreThoseOfTheFolder) {
   int files = 0;
   for (const EmbeddedShader* shader = embedded_shaders; shader->name; ++shader, ++files) {
-    EXPECT_EQ(text_of(std::string(PHYMUL_GLSL_SOURCES) + "/" + shader->name), shader->text) << shader->name;
+    EXPECT_EQ(text_of(PHYMUL_GLSL_SOURCES "/" + std::string(shader->name)), shader->text) << shader->name;
   }
   EXPECT_GE(files, 20);
 }
