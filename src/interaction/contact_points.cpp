@@ -178,7 +178,9 @@ void for_each_part(const std::array<Vec3, 6>& depth, const Visit& visit) {
   const auto is_near = [&](const Vec3& own) { return own.minCoeff() <= least; };  // else another one is nearer all over
   for (std::size_t face = 0; face < depth.size(); ++face) {
     const Vec3& own = depth[face];
-    const auto hides = [&](const Vec3& other) { return &other != &own && (other - own).maxCoeff() <= 0.0; };
+    const auto hides = [&](const Vec3& other) {  // of two that are equally near all over the first is taken
+      return &other != &own && (other - own).maxCoeff() <= 0.0 && (&other < &own || (other - own).minCoeff() < 0.0);
+    };
     if (!is_near(own) || std::ranges::any_of(depth, hides)) continue;
     Part part{.corner = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
     part.keep_positive(own);
@@ -204,20 +206,15 @@ PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner
       share[k] += 0.5 * between;
       share[next] += 0.5 * between;
     }
-    const std::size_t first = count;
     for (std::size_t k = 0; k < part.count; ++k) {
       const Vec3 at = part.corner[k] + inward * (middle - part.corner[k]);
       const double load = area * share[k] * depth[face].dot(at);
       if (load > 0.0) points[count++] = {.share = {at[0], at[1], at[2]}, .load = load};
     }
-    const std::size_t axis = face / 2;
-    if (count == first) return;
-    faces[face_count++] = face % 2 == 0 ? Face{static_cast<int>(axis), 1.0, box.high[axis]}
-                                        : Face{static_cast<int>(axis), -1.0, -box.low[axis]};
   });
 }
 
-void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area, int only,
+void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area,
                      const std::function<void(const DepthPoint&)>& visit) {
   const std::array<Vec3, 6> depth = depths_in(box, corner);
   const auto add_line = [&](int face, int other, const Vec3& from, const Vec3& to) {
@@ -225,6 +222,7 @@ void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, do
     const double steep = (apart.head<2>() - Eigen::Vector2d::Constant(apart[2])).norm();
     const double around = 1e-9 * apart.cwiseAbs().maxCoeff();
     if (!(steep > 0.0) || std::abs(apart.dot(from)) > around || std::abs(apart.dot(to)) > around) return;
+    if (from == to) return;
     // Two points of Gauss; half, because the other face's part has the line too.
     for (const double at : {0.5 - std::sqrt(1.0 / 12.0), 0.5 + std::sqrt(1.0 / 12.0)}) {
       const Vec3 share = from + at * (to - from);
@@ -240,21 +238,19 @@ void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, do
     for (std::size_t k = 2; k < part.count; ++k) {
       const std::array<Vec3, 3> at{part.corner[0], part.corner[k - 1], part.corner[k]};
       const double third = area / 3.0 * Part::share_of(at[0], at[1], at[2]);
+      if (third == 0.0) continue;
       for (std::size_t side = 0; side < 3; ++side) {
         const Vec3 share = 0.5 * (at[side] + at[(side + 1) % 3]);
         visit({.share = {share[0], share[1], share[2]}, .weight = third, .depth = depth[face].dot(share), .face = own});
       }
     }
-    for (int other = 0; only < 0 && other < 6; ++other) {
+    for (int other = 0; other < 6; ++other) {
       for (std::size_t k = 0; other != own && k < part.count; ++k) {
         add_line(own, other, part.corner[k], part.corner[part.after(k)]);
       }
     }
   };
-  if (only < 0) return for_each_part(depth, add);
-  Part part{.corner = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
-  part.keep_positive(depth[static_cast<std::size_t>(only)]);
-  add(static_cast<std::size_t>(only), part);
+  for_each_part(depth, add);
 }
 
 ContactPoints make_contact_points(const ContactSurface& surface, const Tool& tool) {

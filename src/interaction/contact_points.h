@@ -53,14 +53,9 @@ struct PointsInBox {
     ContactPoints::Shares share;
     double load;  // m^3: its area times its depth
   };
-  struct Face {  // of the box, that is the nearest surface to some of the triangle
-    int axis;
-    double side, plane;  // 1 or -1, and m: the place q is `plane - side q[axis]` below it
-  };
   static constexpr std::size_t most = 54;  // six faces; each of six planes adds a corner at the most to three
   std::array<Point, most> points;
-  std::array<Face, 6> faces;
-  std::size_t count = 0, face_count = 0;
+  std::size_t count = 0;
 
   /// `corner`, m: of the triangle, in the box's frame; `area`, m^2: of the triangle.
   PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area);
@@ -80,8 +75,8 @@ struct DepthPoint {
 
 /// Calls visit(DepthPoint): the integral of the squared depth has the first derivatives of the sum over points, and
 /// with those of lines, by minus the square of what the difference of both depths changes, the second. Exact. `area`:
-/// m^2, of the triangle. `only`: a face that is taken for the nearest one everywhere, -1: none.
-void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area, int only,
+/// m^2, of the triangle. Points have a weight above 0.
+void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area,
                      const std::function<void(const DepthPoint&)>& visit);
 
 /// As the tool's radius and margin ask for.

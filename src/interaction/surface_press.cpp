@@ -225,7 +225,7 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
         below_points_.push_back({{point}});
         load(of, point.share, point.load);
       }
-      if (in.count > 0) below_.push_back({of, in.faces, in.face_count, first, below_points_.size()});
+      if (in.count > 0) below_.push_back({of, &*box, first, below_points_.size()});
     } else {
       for (const ContactPoints::Shares& share : *patch->points) find(shape, of, share, patch->area);
     }
@@ -273,43 +273,35 @@ double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double
   return in.depth;
 }
 
-/// The same for points of PointsInBox, in few operations. What is no longer in the box is pressed no more.
+/// The same for points of PointsInBox, in few operations: their normals are the box's axes.
 double SurfacePress::press_below(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Below& below) {
   const bool comes_out = law.placed && law.compliance == 0.0;
   const auto corner = [&](int c) -> Corner& { return corners_[below.corner.row[static_cast<std::size_t>(c)]]; };
-  std::array<Vec3, 6> depth, impulse, shift;  // of the corners, along each face's normal
-  for (std::size_t f = 0; f < below.face_count; ++f) {
-    const auto [axis, side, plane] = below.faces[f];
-    for (int c = 0; c < 3; ++c) depth[f][c] = plane - side * corner(c).to[axis];
-    impulse[f] = shift[f] = Vec3::Zero();
-  }
+  const Vec3 middle = 0.5 * (below.box->low + below.box->high), half = 0.5 * (below.box->high - below.box->low);
+  Mat3 to;  // m, columns: of the corners; likewise
+  for (int c = 0; c < 3; ++c) to.col(c) = corner(c).to - middle;
+  Mat3 impulse = Mat3::Zero(), shift = Mat3::Zero();
   double deepest = 0.0;
   for (std::size_t k = below.first; k < below.last; ++k) {
     const BelowPoint& own = below_points_[k];
     const Eigen::Map<const Vec3> share(own.share.data());
-    double deep = share.dot(depth[0]);
-    std::size_t nearest = 0;
-    for (std::size_t f = 1; f < below.face_count; ++f) {
-      const double other = share.dot(depth[f]);
-      if (other < deep) deep = other, nearest = f;
-    }
-    if (!(deep > 0.0) || own.gain == 0.0) continue;
-    deepest = std::max(deepest, deep);
+    const Vec3 off = to * share, above = off.cwiseAbs() - half;
+    const int axis = above[0] >= above[1] && above[0] >= above[2] ? 0 : above[1] >= above[2] ? 1 : 2;
+    const double depth = -above[axis], side = off[axis] < 0.0 ? -1.0 : 1.0;
+    if (!(depth > 0.0) || own.gain == 0.0) continue;
+    deepest = std::max(deepest, depth);
     double before = 0.0;
     if (comes_out) {
       const Vec3 from = share[0] * corner(0).from + share[1] * corner(1).from + share[2] * corner(2).from;
-      before = std::clamp(-distance_to(shape, unpacked(from)).phi, 0.0, deep);
-      shift[nearest] += before / own.inverse_mass * share;
+      before = std::clamp(-distance_to(shape, unpacked(from)).phi, 0.0, depth);
+      shift.row(axis) += side * before / own.inverse_mass * share.transpose();
     }
-    impulse[nearest] += (deep - before) * own.gain * share;
+    impulse.row(axis) += side * (depth - before) * own.gain * share.transpose();
   }
   if (deepest == 0.0) return 0.0;
   for (int c = 0; c < 3; ++c) {
-    for (std::size_t f = 0; f < below.face_count; ++f) {
-      const auto [axis, side, plane] = below.faces[f];
-      corner(c).impulse[axis] += side * impulse[f][c];
-      corner(c).shift[axis] += side * shift[f][c];
-    }
+    corner(c).impulse += impulse.col(c);
+    if (comes_out) corner(c).shift += shift.col(c);
   }
   return deepest;
 }

@@ -120,8 +120,8 @@ class SurfacePress {
   };
   struct Below {  // a triangle with points of PointsInBox
     Corners corner{};
-    std::array<PointsInBox::Face, 6> faces;
-    std::size_t face_count = 0, first = 0, last = 0;  // the last two: of below_points_
+    const BoxPlanes* box = nullptr;
+    std::size_t first = 0, last = 0;  // of below_points_
   };
   struct BelowPoint : PointsInBox::Point {
     double inverse_mass = 0.0, gain = 0.0;  // 1/kg: a_s, and N s/m

@@ -66,7 +66,6 @@ class RestSearch {
 
   RestSearchEnd run() {
     RestSearchEnd end;
-    for (RestTerm* term : terms_) term->begin(position_);
     residual_at(position_, residual_, gradients_);
     const Vector start = predicts_ ? sought() : Vector(), lacks = predicts_ ? lacking() : Vector();
     if (predicts_) predict(start, lacks);

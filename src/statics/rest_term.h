@@ -16,8 +16,6 @@ class RestTerm {
  public:
   virtual ~RestTerm() = default;
 
-  /// A search begins at these positions.
-  virtual void begin(std::span<const Vec3>) {}
   /// Sets to 1, in [N], the particles that the term may hold.
   virtual void mark_held(std::span<char> particles) const = 0;
   /// Adds forces at positions [N], m, to `force` [N], N.

@@ -17,11 +17,9 @@ namespace {
 /// off the depth that is left.
 constexpr double stiffening = 30.0;
 /// Of the stiffness of integrals, by each raise().
-constexpr double raising = 5.0;
-/// Linearisations after begin() or raise() that leave out what makes the stiffness of integrals indefinite.
+constexpr double raising = 5.0, most_raised = 125.0;
+/// Linearisations at first and after raise() that leave out what makes the stiffness of integrals indefinite.
 constexpr int rough_linearisations = 2;
-/// Of the mean normal of what is in a box, along a face's: then it came in through that face.
-constexpr double one_way = 0.9;
 int raises_of(const Tool& tool) {
   return tool.contact == ToolContact::surface ? 3 : std::numeric_limits<int>::max();
 }
@@ -99,35 +97,12 @@ bool RestTools::follow(const Scene& scene) {
   for (std::size_t k = 0; k < tools_.size(); ++k) {
     tools_[k].frame = ToolFrame(scene.tools()[k].pose);
     tools_[k].raises_left = raises_of(tools_[k].tool);
-    tools_[k].raised = 1.0;
   }
   return true;
 }
 
 bool RestTools::Touching::integrates(const ContactPoints::Patch& patch) const {
   return shape.kind == ShapeKind::box && shape.margin == 0.0 && patch.corners == 3 && !patch.of_cut_cell;
-}
-
-void RestTools::begin(std::span<const Vec3> position) {
-  linearised_ = 0;
-  for (Touching& tool : tools_) {
-    tool.way_in = -1;
-    tool.by_way_in.assign(tool.points.patches.size(), 0);
-    std::vector<Vec3> normals(tool.points.patches.size(), Vec3::Zero());  // N, in the tool's frame
-    for_each_pressed(tool, position, [&](const Pressed& own) {
-      if (own.row != no_row) return;
-      normals[static_cast<std::size_t>(own.patch - tool.points.patches.data())] +=
-          own.force * (tool.frame.turn.transpose() * own.normal);
-    });
-    const Vec3 mean = std::accumulate(normals.begin(), normals.end(), Vec3(Vec3::Zero()));
-    int axis = 0;
-    if (!(mean.cwiseAbs().maxCoeff(&axis) > one_way * mean.norm())) continue;
-    tool.way_in = 2 * axis + (mean[axis] < 0.0 ? 1 : 0);
-    const Vec3 out = Vec3::Unit(axis) * (mean[axis] < 0.0 ? -1.0 : 1.0);
-    for (std::size_t p = 0; p < normals.size(); ++p) {
-      tool.by_way_in[p] = normals[p] != Vec3::Zero() && out.dot(normals[p]) < one_way * normals[p].norm();
-    }
-  }
 }
 
 /// Calls visit(Pressed) for the points that bear a force.
@@ -154,21 +129,19 @@ void RestTools::for_each_pressed(const Touching& tool, std::span<const Vec3> pos
       const double stiffness = tool.raised * std::accumulate(all.begin(), all.end(), 0.0) / area;
       const auto at = [&](std::size_t c) { return tool.frame.inside(position[patch.corner[c]]); };
       const Vec3 half = packed(tool.shape.size);
-      const bool by_way_in = tool.way_in >= 0 && tool.by_way_in[static_cast<std::size_t>(&patch - patches.data())] != 0;
       const auto normal = [&](int face) -> Vec3 {
         return (face % 2 == 0 ? 1.0 : -1.0) * tool.frame.turn.col(face / 2);
       };
-      integrate_depth({-half, half}, {at(0), at(1), at(2)}, area, by_way_in ? tool.way_in : -1,
-                      [&](const DepthPoint& own) {
-                        const Vec3 out = normal(own.face);
-                        if (own.other_face < 0) {
-                          const double gain = stiffness * own.weight;
-                          visit(Pressed{&patch, own.share, no_row, gain * own.depth, gain, out, out});
-                        } else {
-                          const double gain = -stiffness * own.line_weight * own.depth;
-                          visit(Pressed{&patch, own.share, no_row, 0.0, gain, out, out - normal(own.other_face)});
-                        }
-                      });
+      integrate_depth({-half, half}, {at(0), at(1), at(2)}, area, [&](const DepthPoint& own) {
+        const Vec3 out = normal(own.face);
+        if (own.other_face < 0) {
+          const double gain = stiffness * own.weight;
+          visit(Pressed{&patch, own.share, no_row, gain * own.depth, gain, out, out});
+        } else {
+          const double gain = -stiffness * own.line_weight * own.depth;
+          visit(Pressed{&patch, own.share, no_row, 0.0, gain, out, out - normal(own.other_face)});
+        }
+      });
       continue;
     }
     for (std::size_t p = 0; p < count; ++p) {
@@ -206,7 +179,9 @@ void RestTools::add_forces(std::span<const Vec3> position, std::span<Vec3> force
 double RestTools::energy(std::span<const Vec3> position) const {
   double energy = 0.0;
   for (const Touching& tool : tools_) {
-    for_each_pressed(tool, position, [&](const Pressed& own) { energy += 0.5 * own.force * own.force / own.gain; });
+    for_each_pressed(tool, position, [&](const Pressed& own) {
+      if (own.force > 0.0) energy += 0.5 * own.force * own.force / own.gain;
+    });
   }
   return energy;
 }
@@ -255,10 +230,11 @@ double RestTools::squared_miss(std::span<const Vec3> position) const {
     if (tool.raises_left == 0) continue;
     std::vector<double> miss(tool.estimate.size()), of_particles(particles_, 0.0);
     std::ranges::transform(tool.estimate, miss.begin(), std::negate());
+    const double to_be_raised = tool.raised < most_raised ? 1.0 / tool.raised : 0.0;
     for_each_pressed(tool, position, [&](const Pressed& own) {
       if (own.row != no_row) return void(miss[own.row] += own.force);
       for (int c = 0; c < own.patch->corners; ++c) {
-        of_particles[own.patch->corner[c]] += own.share[c] * tool.miss() * own.force;
+        of_particles[own.patch->corner[c]] += own.share[c] * to_be_raised * own.force;
       }
     });
     auto next = miss.begin();
@@ -281,8 +257,7 @@ void RestTools::raise(std::span<const Vec3> position) {
       if (own.row != no_row) next[own.row] = own.force;
     });
     tool.estimate = std::move(next);
-    tool.raised *= raising;
-    tool.way_in = -1;
+    tool.raised = std::min(raising * tool.raised, most_raised);
   }
 }
 

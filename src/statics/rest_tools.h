@@ -9,9 +9,7 @@
 // thousandth of the body's indentation. Source: J. Nocedal and S. Wright, Numerical Optimization, ch. 17.
 //
 // What a box presses at its edges lies between such points. So over its triangles the energy is an integral without s,
-// of 1/2 k phi^2 (integrate_depth), whose k raise() multiplies. A box that was put deep into a body would push what is
-// near its sides out through these. If nearly all comes in through one face, this one presses such triangles until the
-// first raise().
+// of 1/2 k phi^2 (integrate_depth), whose k raise() multiplies.
 #pragma once
 
 #include <phymul/scene.h>
@@ -37,7 +35,6 @@ class RestTools final : public RestTerm {
   /// of the same body.
   bool follow(const Scene& scene);
 
-  void begin(std::span<const Vec3> position) override;
   void mark_held(std::span<char> particles) const override;
   void add_forces(std::span<const Vec3> position, std::span<Vec3> force) const override;
   double energy(std::span<const Vec3> position) const override;
@@ -63,10 +60,7 @@ class RestTools final : public RestTerm {
     std::vector<double> stiffness;  // N/m, k of all points, by patches
     std::vector<double> estimate;   // N, likewise s
     double raised = 1.0;            // factor of k in the integrals over triangles
-    int way_in = -1;                // face of the box, as integrate_depth() counts; -1: none, or raised
-    std::vector<char> by_way_in{};  // of patches: pressed by that face
     bool integrates(const ContactPoints::Patch& patch) const;
-    double miss() const { return 0.1 / raised; }  // of those forces, until they are raised
   };
   struct Pressed {  // a point that bears a force
     const ContactPoints::Patch* patch;
@@ -84,7 +78,7 @@ class RestTools final : public RestTerm {
   std::size_t particles_;
   std::vector<Touching> tools_;
   std::vector<Pressed> linear_;  // as of the last linearise()
-  int linearised_ = 0;           // since begin() or raise()
+  int linearised_ = 0;           // since the first search began, or raise()
 };
 
 /// The joints of a scene as statics knows them: springs of known forces and stiffness.

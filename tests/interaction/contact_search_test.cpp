@@ -294,6 +294,41 @@ TEST(PointsInBox, KeepTheWholeTriangleOutAndChangeContinuously) {
   EXPECT_GT(inside, 1000);
 }
 
+/// A triangle as near to one face as to another all over is pressed by one of them; corners on planes leave no points
+/// without a weight.
+TEST(PointsInBox, TiesAndCornersOnPlanesAreNoHoles) {
+  const BoxPlanes cube{Vec3::Constant(-0.01), Vec3::Constant(0.01)};
+  const std::array<Vec3, 3> between{Vec3(0.004, 0, 0.004), Vec3(0.006, 0.001, 0.006), Vec3(0.006, -0.001, 0.006)};
+  const std::array<Vec3, 3> at_planes{Vec3(0.01, 0, 0), Vec3(0.005, 0.001, 0.005), Vec3(0.002, -0.001, 0.0)};
+  for (const auto& at : {between, at_planes}) {
+    const double area = 0.5 * (at[1] - at[0]).cross(at[2] - at[0]).norm();
+    EXPECT_GT(PointsInBox(cube, at, area).count, 0u);
+    double covered = 0.0;
+    integrate_depth(cube, at, area, [&](const DepthPoint& point) {
+      covered += point.weight;
+      EXPECT_GT(point.weight + point.line_weight, 0.0);
+    });
+    EXPECT_NEAR(covered, area, 1e-9 * area);
+  }
+}
+
+/// Below one face: the integral of a linear depth, squared, and its derivatives by the corners.
+TEST(PointsInBox, IntegralsOverTheDepthAreExact) {
+  const BoxPlanes box{-Vec3(0.05, 0.05, 0.01), Vec3(0.05, 0.05, 0.01)};
+  const std::array<Vec3, 3> at{Vec3(0, 0, 0.009), Vec3(0.01, 0, 0.007), Vec3(0, 0.01, 0.004)};
+  const Vec3 depth(0.001, 0.003, 0.006);
+  double squared = 0.0;
+  Vec3 by_corner = Vec3::Zero();
+  integrate_depth(box, at, 5e-5, [&](const DepthPoint& point) {
+    squared += point.weight * point.depth * point.depth;
+    by_corner += 2.0 * point.weight * point.depth * Vec3(point.share[0], point.share[1], point.share[2]);
+  });
+  const double mixed = depth[0] * depth[1] + depth[1] * depth[2] + depth[2] * depth[0];
+  EXPECT_NEAR(squared, 5e-5 / 6.0 * (depth.squaredNorm() + mixed), 1e-9 * squared);
+  const Vec3 wanted = 5e-5 / 6.0 * (depth + Vec3::Constant(depth.sum()));
+  EXPECT_LT((by_corner - wanted).norm(), 1e-9 * wanted.norm());
+}
+
 }  // namespace
 
 }  // namespace phymul
