@@ -125,6 +125,26 @@ TEST(Stitch, ABrokenKnotIsTiedAnewAndOneThatHoldsKeepsItsLength) {
   }
 }
 
+TEST(Stitch, ABrokenSegmentPullsNothing) {
+  const Model model = loose_particles({Vec3(0, 0, 0), Vec3(0.006, 0, 0)}, 1e-3);
+  Scene scene(model);
+  scene.add({.type = LoadType::force, .particles = {1}, .events = {{0.0, 1.0}}, .direction = {1, 0, 0}});
+  const ThreadHandle thread =
+      scene.fix(std::vector<Index>{0}).sew("s", {}, std::vector{at_particle(0), at_particle(1)});
+  thread.clamp(ThreadTip::first, 2.0);
+  thread.clamp(ThreadTip::last, 2.0);
+  const auto solver = loose_solver("reference", model, scene);
+  ASSERT_TRUE(solver->step(1, stitch_dt).ok());
+  EXPECT_GT(solver->thread_state(thread).tension[1], 0.5);
+  State changed = solver->read();
+  changed.threads[0].broken[1] = 1;
+  changed.velocity[1] = Vec3::Zero();
+  solver->reset(changed);
+  ASSERT_TRUE(solver->step(1, stitch_dt).ok());
+  EXPECT_EQ(solver->thread_state(thread).tension[1], 0.0);
+  EXPECT_NEAR(solver->read().velocity[1].x(), 1.0 / 1e-3 * stitch_dt, 1e-9);
+}
+
 /// Thread runs through the weaker of two clamps, whichever tip it is at.
 TEST(Stitch, TheWeakerClampLetsThreadThrough) {
   for (const std::size_t weaker : {0, 1}) {
