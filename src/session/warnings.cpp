@@ -136,7 +136,7 @@ double thickness_of(const ToolShape& shape) {
 }
 
 void look_at_tools(const Model& model, const Scene& scene, std::vector<std::string>& found) {
-  constexpr double many = 5.0;  // bodies; a floor made of a box is thinner
+  constexpr double many = 5.0;          // bodies; a floor made of a box is thinner
   constexpr double least_depth = 1e-9;  // of the body: less is rounding
   // What walls enclose is a lumen, no tissue.
   const bool hollow = !is_made_of_cells(model) &&
