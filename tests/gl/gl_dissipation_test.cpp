@@ -206,7 +206,7 @@ TEST_P(GlStiffness, IsTheMirrorsBitByBitAndTheReferences) {
   }
 }
 
-/// The same passes with factors and without; a scene that has had some goes on as one that never had.
+/// The same passes with factors and without; a scene whose factors were removed continues as one that never had any.
 TEST_P(GlStiffness, AddsNoPassAndLeavesNothing) {
   const Model model = bodies_of_two_materials()[0].model;
   const auto tables = tables_of(model, {});
