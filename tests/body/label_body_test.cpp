@@ -10,8 +10,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "body_shapes.h"
 #include "label_images.h"
-#include "sound_body.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

@@ -11,7 +11,6 @@
 #include "body/lattice.h"
 #include "body_shapes.h"
 #include "label_images.h"
-#include "sound_body.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

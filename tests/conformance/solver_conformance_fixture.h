@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "support/bodies.h"
-#include "support/gl_needed.h"
+#include "support/every_backend.h"
 
 namespace phymul::test {
 

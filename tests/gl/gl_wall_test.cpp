@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "gl_single_steps.h"
-#include "support/cut_walls.h"
+#include "support/cut_bodies.h"
 #include "support/gl_block.h"
 #include "support/gl_touching_bodies.h"
 #include "support/sanitized.h"

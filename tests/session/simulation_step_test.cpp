@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "support/bodies.h"
-#include "support/cut_walls.h"
+#include "support/cut_bodies.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
 

@@ -10,7 +10,7 @@
 
 #include "interaction/contact_surface.h"
 #include "model/enclosed_volume.h"
-#include "support/cut_walls.h"
+#include "support/cut_bodies.h"
 #include "support/message_of.h"
 
 namespace phymul {

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "model/cell_geometry.h"
-#include "support/cut_walls.h"
+#include "support/cut_bodies.h"
 #include "support/message_of.h"
 
 namespace phymul {

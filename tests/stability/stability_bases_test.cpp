@@ -7,9 +7,8 @@
 #include <gtest/gtest.h>
 #include <cstdio>
 
-#include "stability_fixture.h"
 #include "stability_methods.h"
-#include "support/growth_rate.h"
+#include "support/mechanics.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
 

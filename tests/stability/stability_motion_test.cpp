@@ -7,7 +7,7 @@
 #include <limits>
 #include <thread>
 
-#include "stability_fixture.h"
+#include "stability_methods.h"
 #include "support/dense_operator.h"
 
 namespace phymul::test {

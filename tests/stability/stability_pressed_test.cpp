@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "stability_fixture.h"
+#include "stability_methods.h"
 
 namespace phymul::test {
 namespace {
