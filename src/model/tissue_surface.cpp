@@ -10,9 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "cell_geometry.h"
 #include "outer_faces.h"
-#include "surface_facets.h"
 
 namespace phymul {
 namespace {

@@ -13,9 +13,7 @@
 
 #include "body/filling.h"
 #include "body/graded_lattice.h"
-#include "body/improve_cells.h"
 #include "body_shapes.h"
-#include "model/cell_geometry.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

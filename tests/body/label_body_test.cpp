@@ -11,7 +11,6 @@
 #include <cstdio>
 
 #include "body_shapes.h"
-#include "label_images.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

@@ -10,7 +10,6 @@
 
 #include "body/lattice.h"
 #include "body_shapes.h"
-#include "label_images.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -353,5 +352,4 @@ TEST(LostParts, ShellsThatAreFusedAreNoted) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

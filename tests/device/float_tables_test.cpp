@@ -10,15 +10,14 @@
 #include <cstdio>
 #include <limits>
 
-#include "device/float_contacts.h"
 #include "device/float_domains.h"
 #include "device/float_range.h"
+#include "device/float_scene.h"
 #include "device/float_tables.h"
-#include "device/float_volumes.h"
 #include "device/slice_tables.h"
 #include "mirror/mirror.h"
-#include "mirror/volume_root.h"
-#include "model/enclosed_volume.h"
+#include "mirror/mirror_scene.h"
+#include "model/closed_surface.h"
 #include "support/bodies.h"
 #include "support/cut_bodies.h"
 #include "support/mechanics.h"

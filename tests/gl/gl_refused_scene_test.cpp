@@ -11,8 +11,7 @@
 #include "gl/compute/compute_device.h"
 #include "gl/fragment/fragment_device.h"
 #include "support/cut_bodies.h"
-#include "support/gl_block.h"
-#include "support/gl_touching_bodies.h"
+#include "support/gl_bodies.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"
 
@@ -229,14 +228,14 @@ struct RichBody {
 
 /// Two materials that dissipate, one of which has fibres, in a capsule: particles with several domains, and walls.
 Model in_capsule() {
-  Material soft = soft_tissue(), hard{50e3, 0.2, 1500.0};
-  for (Material* const material : {&soft, &hard}) {
+  Material soft = soft_tissue(), stiff{50e3, 0.2, 1500.0};
+  for (Material* const material : {&soft, &stiff}) {
     material->retardation_time = 2e-3;
     material->relaxation_strength = 1.5;
     material->relaxation_time = 0.01;
   }
   soft.fibre_ratio = 3.0;
-  Model model = with_harder_half(make_block(rich_size, 4, 2, 2), soft, hard);
+  Model model = with_harder_half(make_block(rich_size, 4, 2, 2), soft, stiff);
   for (Cell& cell : model.cells) cell.fibre = {0.6, 0.0, 0.8};
   add_capsule(model, film);
   return model;

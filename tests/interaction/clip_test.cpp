@@ -3,9 +3,7 @@
 // Clips: they close a fold to their gap, hold up to their force, open above it, and come off. Jaws: they close with
 // their force, hold by friction alone, slip when pulled too hard, and go back with a snapshot.
 #include <gtest/gtest.h>
-#include <phymul/jaws.h>
-#include <phymul/recording.h>
-#include <phymul/state_file.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <cmath>

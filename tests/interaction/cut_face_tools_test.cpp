@@ -2,9 +2,7 @@
 //
 // Tools with ToolContact::surface on the faces of cuts. The edge of a curved blade, and the surface that it cuts.
 #include <gtest/gtest.h>
-#include <phymul/body_cut.h>
 #include <phymul/phymul.h>
-#include <phymul/shapes.h>
 
 #include <algorithm>
 #include <cmath>

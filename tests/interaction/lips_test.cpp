@@ -4,7 +4,6 @@
 // threads keep their length where knots are tied and loosened, and where no passage is left.
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
-#include <phymul/topology_textures.h>
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,7 @@
 
 #include "altered_files.h"
 #include "model/cell_geometry.h"
-#include "model/enclosed_volume.h"
+#include "model/closed_surface.h"
 #include "support/message_of.h"
 #include "support/text_file.h"
 #include "surface_files.h"

@@ -13,7 +13,6 @@
 #include "mirror_scene.h"
 #include "scene/tool_state.h"
 #include "solver/step_order.h"
-#include "touch_tools.h"
 
 namespace phymul::cpu {
 namespace {

@@ -5,11 +5,9 @@
 #include <cstdlib>
 
 #include "kernels.h"
-#include "texels.h"
-#include "volume_root.h"
+#include "mirror_forces.h"
 
 namespace phymul::cpu {
-
 namespace {
 
 using Law = Kernels<float>;
@@ -115,7 +113,7 @@ inline Vector3<float> facet_area(const KeptFacet& facet) {
   return cross_product(facet.e + facet.de, facet.f + facet.df);
 }
 
-/// Six times what the tetrahedron o, a, b, c has gained, and its c1, c2, c3 (enclosed_volume.h) along p at a, q more at
+/// Six times what the tetrahedron o, a, b, c has gained, and its c1, c2, c3 (closed_surface.h) along p at a, q more at
 /// b, r more at c.
 inline Float4 facet_volume(const KeptFacet& facet, const Vector3<float>& p, const Vector3<float>& q,
                            const Vector3<float>& r) {

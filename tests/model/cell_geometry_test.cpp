@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// check_mesh(): cells that overlap their neighbours, however their vertices are ordered.
+// Measures of cells; and check_mesh(): cells that overlap their neighbours, however their vertices are ordered.
 #include <gtest/gtest.h>
-#include <phymul/check.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

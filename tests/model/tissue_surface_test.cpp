@@ -3,8 +3,6 @@
 // The surface of what cuts and removals leave. Shapes from meshes: distances against closed forms, and what is refused.
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
-#include <phymul/shapes.h>
-#include <phymul/surface.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -15,7 +13,7 @@
 #include <utility>
 
 #include "interaction/distance_to_shape.h"
-#include "model/closest_triangle.h"
+#include "model/closed_surface.h"
 #include "support/cut_bodies.h"
 #include "support/message_of.h"
 #include "support/tool_backends.h"

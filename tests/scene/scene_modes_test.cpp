@@ -3,8 +3,7 @@
 // Scene::modes says the same as Scene::evaluate. What a scene accepts as a joint, and what it says of what it refuses.
 #include <gtest/gtest.h>
 #include <phymul/load_frame.h>
-#include <phymul/scene.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <limits>
 #include <utility>
@@ -13,7 +12,6 @@
 #include "support/joined_particles.h"
 #include "support/message_of.h"
 #include "support/outside_backend.h"
-#include "support/scene_parts.h"
 
 namespace phymul::test {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <phymul/scene.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Geometry>
 #include <limits>
@@ -9,11 +8,13 @@
 #include <numbers>
 #include <type_traits>
 
+#include "support/joined_particles.h"
 #include "support/message_of.h"
-#include "support/scene_parts.h"
 
 namespace phymul {
 namespace {
+
+using namespace test;
 
 constexpr double pi = std::numbers::pi;
 

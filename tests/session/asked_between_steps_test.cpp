@@ -2,15 +2,13 @@
 //
 // What a simulation is asked between two steps, where states are set, read or refused before the next one.
 #include <gtest/gtest.h>
-#include <phymul/backend.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "support/bodies.h"
+#include "support/cut_bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
-#include "support/stroke.h"
 
 namespace phymul::test {
 namespace {

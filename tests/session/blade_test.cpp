@@ -14,7 +14,6 @@
 #include "support/every_backend.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
-#include "support/stroke.h"
 #include "topology/body_edit.h"
 
 namespace phymul {

@@ -2,19 +2,16 @@
 //
 // Cuts in states and recordings that were altered, and what a replay of cuts needs besides.
 #include <gtest/gtest.h>
-#include <phymul/distance_grid.h>
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
 #include <array>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "session/cut_bytes.h"
 #include "session/scene_bytes.h"
 #include "session/wire_codes.h"
 #include "support/message_of.h"

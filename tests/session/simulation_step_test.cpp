@@ -2,8 +2,7 @@
 //
 // The step that Simulation::advance() takes: as long as the deformation of the present state allows.
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
-#include <phymul/wall.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -7,7 +7,6 @@
 #include <phymul/topology_textures.h>
 
 #include <memory>
-#include <numbers>
 #include <numeric>
 #include <random>
 

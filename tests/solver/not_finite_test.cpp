@@ -257,7 +257,7 @@ TEST_P(StrainReport, CountsWhatIsBeyondTheLawAndWhatIsInverted) {
   expect({1, 1, 1}, 0, 0);
   expect({1.65, 1.65, 0.63}, 0, 0);
   expect({0.63, 0.63, 0.63}, 0, 0);
-  EXPECT_TRUE(says(expect({1, 1, 0.2}, all, 0).message(), "strained beyond the law, first around particle 0"));
+  EXPECT_TRUE(says(expect({1, 1, 0.2}, all, 0).message(), "strained beyond the law, began around particle 0"));
   expect({3, 1, 1}, all, 0);
   EXPECT_TRUE(says(expect({1, 1, -1}, all, all).message(), "inverted around 64"));
 }
@@ -267,10 +267,10 @@ TEST_P(StrainReport, KeepsWhereAndWhenItBegan) {
   state.position.back() += Vec3(0.05, 0.05, 0.05);
   solver_->reset(state);
   const double dt = 1e-3 * solver_->stable_step();
-  const StepReport first = solver_->step(1, dt), later = solver_->step(5, dt);
-  EXPECT_GT(first.beyond_law, 0);
-  EXPECT_EQ(first.beyond_since, dt);
-  EXPECT_EQ(later.first_beyond, first.first_beyond);
+  const StepReport began = solver_->step(1, dt), later = solver_->step(5, dt);
+  EXPECT_GT(began.beyond_law, 0);
+  EXPECT_EQ(began.beyond_since, dt);
+  EXPECT_EQ(later.first_beyond, began.first_beyond);
   EXPECT_EQ(later.beyond_since, dt);
   solver_->reset();
   EXPECT_EQ(solver_->step(1, dt).first_beyond, -1);

@@ -205,12 +205,12 @@ TEST(TwoThreads, ARefusedStepLeavesNoTrace) {
   sim.keep_history(1);
   sim.record();
   ASSERT_TRUE(sim.advance(0.01).ok());
-  const double middle = sim.time();
+  const double half_way = sim.time();
   ASSERT_TRUE(sim.advance(0.01).ok());
   EXPECT_GT(refused, 0);
   const State end = sim.solver().read();
-  EXPECT_TRUE(sim.rewind(middle));
-  EXPECT_DOUBLE_EQ(sim.time(), middle);
+  EXPECT_TRUE(sim.rewind(half_way));
+  EXPECT_DOUBLE_EQ(sim.time(), half_way);
   Simulation again(make_block({0.04, 0.02, 0.02}, 4, 2, 2),
                    {.material = {.young = 10e3, .poisson = 0.3, .density = 1000}, .backend = "cpu"});
   ASSERT_TRUE((again.scene().fix("x0").gravity({0, 0, -9.81}), again.advance(0.01).ok() && again.advance(0.01).ok()));

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <cstdio>
 
+#include "stability_fixture.h"
 #include "stability_methods.h"
 #include "support/mechanics.h"
-#include "support/message_of.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {
@@ -201,5 +201,4 @@ TEST(StabilityGrowth, ConservativeBodiesDoNotGrowUndamped) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
 // The methods that the stability suite and its atlas compare, each on a cube of the same tissue, and the distance of a
-// body from its rest shape that no rigid motion changes. The fixture of stability tests that every backend of the build
-// runs.
+// body from its rest shape that no rigid motion changes.
 #pragma once
 
 #include <Eigen/Geometry>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "support/bodies.h"
-#include "support/every_backend.h"
-#include "support/sanitized.h"
 
 namespace phymul::test {
 
@@ -85,29 +81,6 @@ inline double distance_from_rest_shape(const Model& model, const VecList& positi
   Vec3 signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
   const Mat3 turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
   return (now - turn * rest).norm() / rest.norm();
-}
-
-class OnBackend : public OnEveryBackend {
- protected:
-  static std::unique_ptr<Solver> make(const Model& model, const Scene& scene, const TopologyOptions& topology = {},
-                                      const SolverOptions& options = {}) {
-    return make_solver(GetParam(), model, scene, topology, options);
-  }
-  static bool is_reference() { return GetParam() == "reference"; }
-  /// Where a software renderer may stand in for a GPU, and where sanitizers are: bodies and runs are cut down.
-  static bool is_slow() { return GetParam().starts_with("gl") || sanitized; }
-};
-
-/// Takes nothing from growth, whatever the step.
-inline SolverOptions any_step_uncut() {
-  return {.on_unstable = UnstableStep::allow, .max_displacement_per_step = std::numeric_limits<double>::infinity()};
-}
-
-inline Method method_named(const std::string& name) {
-  for (Method& method : stability_methods()) {
-    if (method.name == name) return method;
-  }
-  throw Error("no method is called " + name);
 }
 
 }  // namespace phymul::test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <thread>
 
-#include "stability_methods.h"
+#include "stability_fixture.h"
 #include "support/dense_operator.h"
 
 namespace phymul::test {

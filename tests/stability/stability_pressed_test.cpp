@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "stability_methods.h"
+#include "stability_fixture.h"
 
 namespace phymul::test {
 namespace {
@@ -217,5 +217,4 @@ TEST_P(StabilityContrasts, RunsStayBoundedAndKeepMomentum) {
 PHYMUL_ON_EVERY_BACKEND(StabilityContrasts);
 
 }  // namespace
-
 }  // namespace phymul::test

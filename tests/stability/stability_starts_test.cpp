@@ -4,7 +4,7 @@
 // stays elsewhere is never passed off as one at rest. docs/measurements/stability.md has the list of cases.
 #include <cmath>
 
-#include "stability_methods.h"
+#include "stability_fixture.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
 

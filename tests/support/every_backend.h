@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "steps.h"
+#include "message_of.h"
 
 namespace phymul::test {
 

@@ -10,8 +10,8 @@
 #include "model/file_extras.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
-#include "topology/base_selection.h"
 #include "topology/body_frames.h"
+#include "topology/neighbourhoods.h"
 #include "topology/topology_terms.h"
 
 namespace phymul::test {
