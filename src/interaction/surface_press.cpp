@@ -178,10 +178,6 @@ Vec3 SurfacePress::mean(const ContactPoints::Shares& share, const Corners& of, V
   return sum;
 }
 
-void SurfacePress::load(const Corners& of, const ContactPoints::Shares& share, double load) {
-  for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * load;
-}
-
 /// Keeps a point that is in the tool at the step's end.
 void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share,
                         double area) {
@@ -189,7 +185,7 @@ void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const C
   const double depth = depth_of(shape, from, to, to - from).depth;
   if (!(depth > 0.0)) return;
   pressed_.push_back({of, share, from, area * depth});
-  load(of, share, area * depth);
+  for (std::size_t c = 0; c < of.rows().size(); ++c) corners_[of.row[c]].load += share[c] * area * depth;
 }
 
 /// Finds the patches that may touch.
@@ -254,8 +250,8 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
   for (Below& below : below_) {
     double crowd = 0.0;  // as of a point
     for (int c = 0; c < 3; ++c) {
-      if (!(below.in.load[c] > 0.0)) continue;
       const Corner& corner = corners_[below.corner.row[static_cast<std::size_t>(c)]];
+      if (!(below.in.load[c] > 0.0)) continue;
       const double part = below.in.push.col(c).squaredNorm() * corner.load / below.in.load[c];
       below.inverse_mass += part * corner.inverse_mass;
       crowd += part;
@@ -271,16 +267,13 @@ void SurfacePress::look_below(const BoxPlanes& box, const Corners& of, double ar
   };
   const DepthInBox in = depth_in(box, at(&Corner::to), area);
   if (!(in.square > 0.0)) return;
-  Below& made = below_.emplace_back();
-  made.corner = of;
-  made.in = in;
-  made.out = in.square;
+  Below& made = below_.emplace_back(Below{.corner = of, .in = in, .out = in.square});
   for (int c = 0; c < 3; ++c) {
     Corner& corner = corners_[of.row[static_cast<std::size_t>(c)]];
     made.out += in.push.col(c).dot(corner.to);
     corner.load += in.load[c];
   }
-  if (comes_out) made.before = std::min(1.0, depth_in(box, at(&Corner::from), area).whole / in.whole);
+  if (comes_out) made.before = std::min(1.0, std::sqrt(depth_in(box, at(&Corner::from), area).square / in.square));
 }
 
 /// Particles take nothing before hand_over(). m, how deep the point was; 0: there is nothing for them.
@@ -307,12 +300,12 @@ double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double
 double SurfacePress::press_below(const Below& below) {
   const auto corner = [&](int c) -> Corner& { return corners_[below.corner.row[static_cast<std::size_t>(c)]]; };
   const Mat3& push = below.in.push;
-  const double deep =
-      below.out - push.col(0).dot(corner(0).to) - push.col(1).dot(corner(1).to) - push.col(2).dot(corner(2).to);  // m^4
+  double deep = below.out;  // m^4
+  for (int c = 0; c < 3; ++c) deep -= push.col(c).dot(corner(c).to);
   if (!(deep > 0.0) || below.gain == 0.0) return 0.0;
-  for (int c = 0; c < 3; ++c) corner(c).impulse += (1.0 - below.before) * deep * below.gain * push.col(c);
-  if (below.before > 0.0) {
-    for (int c = 0; c < 3; ++c) corner(c).shift += below.before * deep / below.inverse_mass * push.col(c);
+  for (int c = 0; c < 3; ++c) {
+    corner(c).impulse += (1.0 - below.before) * deep * below.gain * push.col(c);
+    corner(c).shift += below.before * deep / below.inverse_mass * push.col(c);
   }
   return deep / below.in.whole;
 }
@@ -320,11 +313,10 @@ double SurfacePress::press_below(const Below& below) {
 /// An impulse and a shift, in the tool's frame, to a particle that can take it.
 void SurfacePress::give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
                         const TouchedParticles& touched) {
-  Vec3 given = impulse, by = shift;
-  if (corner.fixed != 0) {
-    given = end.turn.transpose() * free_part(end.turn * impulse, corner.fixed);
-    by = end.turn.transpose() * free_part(end.turn * shift, corner.fixed);
-  }
+  const auto taken = [&](const Vec3& v) -> Vec3 {
+    return corner.fixed == 0 ? v : Vec3(end.turn.transpose() * free_part(end.turn * v, corner.fixed));
+  };
+  const Vec3 given = taken(impulse), by = taken(shift);
   corner.given += given;
   corner.shifted += by;
   corner.to += touched.dt() * corner.inverse_mass * given + by;

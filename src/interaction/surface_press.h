@@ -13,16 +13,19 @@
 // points, and what lies evenly deep comes out in one round. Because a point that begins to touch has no load, the force
 // is continuous as a tool slides. The next step starts from what the last round leaves.
 //
-// Friction acts on the particles, after the points of each round, as in touch_in_step: against all sliding of a
-// particle, up to Coulomb's limit by what all rounds have pressed it with. So what sticks does not creep. (Friction of
-// a point in a round could use that round's press alone. Shallow points would slide where deep ones have limit to
-// spare, a little in each step, without end.)
+// Friction acts on the particles, after every third round, as in touch_in_step: against all sliding of a particle, up
+// to Coulomb's limit by what all rounds have pressed it with. So what sticks does not creep. (Friction of a point in a
+// round could use that round's press alone. Shallow points would slide where deep ones have limit to spare, a little in
+// each step, without end.)
 //
 // A flat face presses a triangle that lies before it at its corners: so under a plate a particle is one point, as with
-// ToolContact::particles. Over a box's edges the parts of a triangle that are nearest to each face are pressed at their
-// corners (PointsInBox). Other tools, boxes with a margin, and what moves far in a step: at all points. A box is thin
-// to what would pass its middle in a step, as light particles would that are pressed hard: it is then as if the box
-// were thicker on the side that the triangle does not come from.
+// ToolContact::particles. A triangle over a box's edges is one constraint, the root of the integral of its squared
+// depth phi (depth_in), whose gradient pushes all its corners: as the nearest faces' parts of that integral have it,
+// which at an edge is along the triangle's normal. In place of a point's mass it has
+//   1 / sum_i |g_i|^2 L_i / (L_si m_i),   g_i = integral of phi n w_i,   L_si = integral of phi w_i.
+// Cut triangles, boxes with a margin, and what moves far in a step are pressed at all points, as by other tools. A box
+// is thin to what would pass its middle in a step, as light particles would that are pressed hard: it is then as if the
+// box were thicker on the side that the triangle does not come from.
 //
 // Which triangles a tool may touch is found with some room to spare and kept while body and tool use it up.
 #pragma once
@@ -142,7 +145,6 @@ class SurfacePress {
   void meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
             const TouchedParticles& touched);
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
-  void load(const Corners& of, const ContactPoints::Shares& share, double load);
   Crowd crowd_of(const Corners& of, const ContactPoints::Shares& share, double load) const;
   void find_points(const ShapeIn<double>& shape, const ContactLaw<double>& law, TouchedParticles& touched);
   double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
