@@ -356,7 +356,7 @@ double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<do
   const double dt = touched.dt();
   meet(shape, start, end, touched);
   double deepest = 0.0;
-  for (int round = 0; round < rounds_of_surface(law.placed, shape.kind); ++round) {
+  for (int round = 0; round < rounds_of_surface(law.placed); ++round) {
     const bool looks = round == 0 || (shape.kind == ShapeKind::box && round % rounds_of_look == 0);
     if (looks) find_points(shape, law, touched);
     double deep = 0.0;

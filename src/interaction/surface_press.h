@@ -13,7 +13,7 @@
 // points, and what lies evenly deep comes out in one round. Because a point that begins to touch has no load, the force
 // is continuous as a tool slides. The next step starts from what the last round leaves.
 //
-// Friction acts on the particles, after every third round, as in touch_in_step: against all sliding of a particle, up
+// Friction acts on the particles, after every second round, as in touch_in_step: against all sliding of a particle, up
 // to Coulomb's limit by what all rounds have pressed it with. So what sticks does not creep. (Friction of a point in a
 // round could use that round's press alone. Shallow points would slide where deep ones have limit to spare, a little in
 // each step, without end.)
@@ -55,14 +55,14 @@ constexpr int most_again = 50;  ///< times that they look anew
 
 /// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
 /// with speed.
-constexpr int rounds_of_surface(bool placed, ShapeKind kind) {
-  return placed ? 60 : kind == ShapeKind::box ? 9 : 6;
+constexpr int rounds_of_surface(bool placed) {
+  return placed ? 60 : 6;
 }
 
 /// After so many rounds friction acts, and triangles over a box's edges are looked at anew. How they are in the box
 /// depends on their places: in those that only elastic forces would take particles to, they are deeper than they come
 /// to be. Pushed from there alone, they are driven along the edge, and tissue flutters about it without end.
-constexpr int rounds_of_look = 3;
+constexpr int rounds_of_look = 2;
 
 /// Whether a particle below the surface was in the tool before this step. One that was not is stopped as with
 /// ToolContact::particles: where a body is hit hard, its surface alone does not keep the rest out of the tool.
