@@ -71,24 +71,41 @@ void set_corners(ContactPoints::Patch& patch, const std::array<TissueVertex, 3>&
   patch.points = std::make_shared<const std::vector<ContactPoints::Shares>>(std::move(points));
 }
 
-/// A convex part of a triangle, by its corners' shares.
+/// The shares of a triangle's second and third corner.
+using Place = Eigen::Vector2d;
+
+Vec3 shares(const Place& at) {
+  return {1.0 - at[0] - at[1], at[0], at[1]};
+}
+
+/// A function that is linear in a triangle, by its values at the corners.
+struct Linear {
+  explicit Linear(const Vec3& at) : first(at[0]), by_second(at[1] - at[0]), by_third(at[2] - at[0]) {}
+  double operator()(const Place& at) const { return first + by_second * at[0] + by_third * at[1]; }
+  double first, by_second, by_third;
+};
+
+/// A convex part of a triangle.
 struct Part {
-  std::array<Vec3, 9> corner;
+  std::array<Place, 9> corner{Place(0, 0), Place(1, 0), Place(0, 1)};
   std::size_t count = 3;
 
-  /// Cuts off where a function that is linear in the shares, of these values at the triangle's corners, is negative.
+  /// Cuts off where a function that has these values at the triangle's corners is negative.
   void keep_positive(const Vec3& values) {
     if (values.minCoeff() >= 0.0) return;
-    std::array<Vec3, 9> kept;
+    const Linear value(values);
+    std::array<Place, 9> kept;
     std::size_t n = 0;
-    const auto keep = [&](const Vec3& at) {
+    const auto keep = [&](const Place& at) {
       if (n < kept.size()) kept[n++] = at;  // more only where rounding crosses a plane that it lies in
     };
+    double here = value(corner[0]);
+    const double first = here;
     for (std::size_t k = 0; k < count; ++k) {
-      const Vec3 &here = corner[k], &next = corner[after(k)];
-      const double a = values.dot(here), b = values.dot(next);
-      if (a >= 0.0) keep(here);
-      if ((a < 0.0) != (b < 0.0)) keep(here + a / (a - b) * (next - here));
+      const double next = k + 1 < count ? value(corner[k + 1]) : first;
+      if (here >= 0.0) keep(corner[k]);
+      if ((here < 0.0) != (next < 0.0)) keep(corner[k] + here / (here - next) * (corner[after(k)] - corner[k]));
+      here = next;
     }
     corner = kept;
     count = n;
@@ -96,18 +113,10 @@ struct Part {
 
   std::size_t after(std::size_t k) const { return k + 1 < count ? k + 1 : 0; }
 
-  /// Of the triangle's area.
-  static double share_of(const Vec3& a, const Vec3& b, const Vec3& c) { return std::abs(a.dot(b.cross(c))); }
-
-  Vec3 middle() const {
-    Vec3 sum = Vec3::Zero();
-    double whole = 0.0;
-    for (std::size_t k = 2; k < count; ++k) {
-      const double share = share_of(corner[0], corner[k - 1], corner[k]);
-      whole += share;
-      sum += share / 3.0 * (corner[0] + corner[k - 1] + corner[k]);
-    }
-    return whole > 0.0 ? Vec3(sum / whole) : corner[0];
+  /// Of the triangle's area: that of the first corner with `k` and the one before.
+  double share_of(std::size_t k) const {
+    const Place one = corner[k - 1] - corner[0], other = corner[k] - corner[0];
+    return std::abs(one[0] * other[1] - one[1] * other[0]);
   }
 };
 
@@ -175,17 +184,23 @@ void for_each_part(const std::array<Vec3, 6>& depth, const Visit& visit) {
   double least = std::numeric_limits<double>::infinity();  // of what the triangle's corners are below a face at most
   for (const Vec3& own : depth) least = std::min(least, own.maxCoeff());
   if (least <= 0.0) return;
-  const auto is_near = [&](const Vec3& own) { return own.minCoeff() <= least; };  // else another one is nearer all over
+  std::array<std::size_t, 6> near;
+  std::size_t count = 0;
   for (std::size_t face = 0; face < depth.size(); ++face) {
+    if (depth[face].minCoeff() <= least) near[count++] = face;  // else another one is nearer all over
+  }
+  const auto faces = std::span(near).first(count);
+  for (const std::size_t face : faces) {
     const Vec3& own = depth[face];
-    const auto hides = [&](const Vec3& other) {  // of two that are equally near all over the first is taken
-      return &other != &own && (other - own).maxCoeff() <= 0.0 && (&other < &own || (other - own).minCoeff() < 0.0);
+    const auto hides = [&](std::size_t other) {  // of two that are equally near all over the first is taken
+      const Vec3 apart = depth[other] - own;
+      return other != face && apart.maxCoeff() <= 0.0 && (other < face || apart.minCoeff() < 0.0);
     };
-    if (!is_near(own) || std::ranges::any_of(depth, hides)) continue;
-    Part part{.corner = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}};
+    if (std::ranges::any_of(faces, hides)) continue;
+    Part part;
     part.keep_positive(own);
-    for (const Vec3& other : depth) {
-      if (&other != &own && is_near(other)) part.keep_positive(other - own);
+    for (const std::size_t other : faces) {
+      if (other != face) part.keep_positive(depth[other] - own);
     }
     if (part.count >= 3) visit(face, part);
   }
@@ -193,54 +208,61 @@ void for_each_part(const std::array<Vec3, 6>& depth, const Visit& visit) {
 
 }  // namespace
 
-PointsInBox::PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area) {
-  // Of the way to the part's middle: where two faces are equally near, each presses its own part.
-  constexpr double inward = 0.125;
+DepthInBox depth_in(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area) {
   const std::array<Vec3, 6> depth = depths_in(box, corner);
+  DepthInBox sum;
   for_each_part(depth, [&](std::size_t face, const Part& part) {
-    const Vec3 middle = part.middle();
-    std::array<double, 9> share{};
-    for (std::size_t k = 0; k < part.count; ++k) {
-      const std::size_t next = part.after(k);
-      const double between = Part::share_of(part.corner[k], part.corner[next], middle);
-      share[k] += 0.5 * between;
-      share[next] += 0.5 * between;
+    const Linear value(depth[face]);
+    double whole = 0.0;
+    Place load(0, 0);
+    const double first = value(part.corner[0]);
+    double before = value(part.corner[1]);
+    for (std::size_t k = 2; k < part.count; ++k) {
+      const double here = value(part.corner[k]), all = first + before + here;
+      const double twelfth = area / 12.0 * part.share_of(k);
+      const double a = twelfth * (first + all), b = twelfth * (before + all), c = twelfth * (here + all);
+      load = load + a * part.corner[0] + b * part.corner[k - 1] + c * part.corner[k];
+      whole += a + b + c;
+      before = here;
     }
-    for (std::size_t k = 0; k < part.count; ++k) {
-      const Vec3 at = part.corner[k] + inward * (middle - part.corner[k]);
-      const double load = area * share[k] * depth[face].dot(at);
-      if (load > 0.0) points[count++] = {.share = {at[0], at[1], at[2]}, .load = load};
-    }
+    const Vec3 own(whole - load[0] - load[1], load[0], load[1]);
+    sum.push.row(static_cast<Eigen::Index>(face / 2)) += (face % 2 == 0 ? own : Vec3(-own)).transpose();
+    sum.load += own;
+    sum.square += own.dot(depth[face]);
+    sum.whole += whole;
   });
+  return sum;
 }
 
 void integrate_depth(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area,
                      const std::function<void(const DepthPoint&)>& visit) {
   const std::array<Vec3, 6> depth = depths_in(box, corner);
-  const auto add_line = [&](int face, int other, const Vec3& from, const Vec3& to) {
+  const auto add_line = [&](int face, int other, const Place& from, const Place& to) {
     const Vec3 apart = depth[static_cast<std::size_t>(face)] - depth[static_cast<std::size_t>(other)];
-    const double steep = (apart.head<2>() - Eigen::Vector2d::Constant(apart[2])).norm();
+    const Linear value(apart);
+    const double steep = std::hypot(value.by_second, value.by_third);
     const double around = 1e-9 * apart.cwiseAbs().maxCoeff();
-    if (!(steep > 0.0) || std::abs(apart.dot(from)) > around || std::abs(apart.dot(to)) > around) return;
+    if (!(steep > 0.0) || std::abs(value(from)) > around || std::abs(value(to)) > around) return;
     if (from == to) return;
+    const Place way = to - from;
     // Two points of Gauss; half, because the other face's part has the line too.
     for (const double at : {0.5 - std::sqrt(1.0 / 12.0), 0.5 + std::sqrt(1.0 / 12.0)}) {
-      const Vec3 share = from + at * (to - from);
+      const Vec3 share = shares(from + at * way);
       visit({.share = {share[0], share[1], share[2]},
              .depth = depth[static_cast<std::size_t>(face)].dot(share),
              .face = face,
              .other_face = other,
-             .line_weight = 0.5 * area * (to - from).head<2>().norm() / steep});
+             .line_weight = 0.5 * area * way.norm() / steep});
     }
   };
   const auto add = [&](std::size_t face, const Part& part) {
     const int own = static_cast<int>(face);
     for (std::size_t k = 2; k < part.count; ++k) {
-      const std::array<Vec3, 3> at{part.corner[0], part.corner[k - 1], part.corner[k]};
-      const double third = area / 3.0 * Part::share_of(at[0], at[1], at[2]);
+      const std::array<Place, 3> at{part.corner[0], part.corner[k - 1], part.corner[k]};
+      const double third = area / 3.0 * part.share_of(k);
       if (third == 0.0) continue;
       for (std::size_t side = 0; side < 3; ++side) {
-        const Vec3 share = 0.5 * (at[side] + at[(side + 1) % 3]);
+        const Vec3 share = shares(0.5 * (at[side] + at[(side + 1) % 3]));
         visit({.share = {share[0], share[1], share[2]}, .weight = third, .depth = depth[face].dot(share), .face = own});
       }
     }

@@ -44,22 +44,17 @@ struct BoxPlanes {
   Vec3 low, high;
 };
 
-/// A triangle's points in a box for one step. The parts of the triangle whose nearest surface is one face are convex,
-/// and the depth is linear in each: so what keeps its corners out keeps it out. Each part has a point near each of its
-/// corners, with its share of the area. Points and loads change continuously with the places, and those of a triangle
-/// that lies wholly before one face are near its own corners.
-struct PointsInBox {
-  struct Point {
-    ContactPoints::Shares share;
-    double load;  // m^3: its area times its depth
-  };
-  static constexpr std::size_t most = 54;  // six faces; each of six planes adds a corner at the most to three
-  std::array<Point, most> points;
-  std::size_t count = 0;
-
-  /// `corner`, m: of the triangle, in the box's frame; `area`, m^2: of the triangle.
-  PointsInBox(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area);
+/// Integrals of a triangle's depth below the nearest face of a box, over what of the triangle is in it.
+struct DepthInBox {
+  double square = 0.0, whole = 0.0;  // m^4, of the squared depth; m^3, of the depth
+  Vec3 load{0, 0, 0};                // m^3: of the depth times the share of each corner
+  Mat3 push = Mat3::Zero();          // m^3, a column for each corner: likewise, times the face's normal
 };
+
+/// Exact: the parts of the triangle whose nearest surface is one face are convex, and the depth is linear in each.
+/// All change continuously with the places. `push` is minus half the gradient of `square` by the corners' places.
+/// `corner`, m: of the triangle, in the box's frame; `area`, m^2: of the triangle.
+DepthInBox depth_in(const BoxPlanes& box, const std::array<Vec3, 3>& corner, double area);
 
 /// A point of a triangle at which integrals over its depth in a box are evaluated.
 struct DepthPoint {

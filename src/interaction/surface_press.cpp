@@ -35,11 +35,17 @@ Depth<double> depth_of(const ShapeIn<double>& shape, const Vector3<double>& from
 /// negative end; -1: the place is over an edge. Places of one face are convex: a triangle whose corners are there
 /// touches no other.
 int face_of(const BoxPlanes& box, const Vec3& q) {
-  const Vec3 above = q - box.high, below = box.low - q, off = above.cwiseMax(below);
-  int axis = 0;
-  off.maxCoeff(&axis);
-  if ((off.array() > 0.0).count() > 1) return -1;
-  return 2 * axis + (below[axis] > above[axis] ? 1 : 0);
+  int nearest = 0, before = 0;
+  double least = -HUGE_VAL;  // m, that the place is off that face
+  for (int axis = 0; axis < 3; ++axis) {
+    const double above = q[axis] - box.high[axis], below = box.low[axis] - q[axis], off = std::max(above, below);
+    before += off > 0.0 ? 1 : 0;
+    if (off > least) {
+      least = off;
+      nearest = 2 * axis + (below > above ? 1 : 0);
+    }
+  }
+  return before > 1 ? -1 : nearest;
 }
 
 }  // namespace
@@ -51,9 +57,7 @@ SurfacePress::SurfacePress(const ContactSurface& surface, const Model& model, co
   near_.reserve(points_.patches.size());
   met_.reserve(points_.patches.size());
   pressed_.reserve(points_.most_points + model.rest.size());
-  const std::size_t over_edges = std::holds_alternative<Box>(tool.shape) ? points_.patches.size() : 0;
-  below_.reserve(over_edges);
-  below_points_.reserve(PointsInBox::most * over_edges);
+  below_.reserve(std::holds_alternative<Box>(tool.shape) ? points_.patches.size() : 0);
   for (const ContactPoints::Patch& patch : points_.patches) {
     for (const Index a : patch.particles()) {
       for (const Index b : patch.particles()) {
@@ -112,6 +116,15 @@ SurfacePress::Corners SurfacePress::corners_of(Index patch, const ToolFrame& sta
 /// Whether a point of the triangle may be in the tool at the step's end, or have gone through it, if it comes nearer by
 /// `room`, m.
 bool SurfacePress::may_touch(const ShapeIn<double>& shape, const Corners& of, double room) const {
+  if (shape.kind == ShapeKind::box) {
+    Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
+    for (const std::size_t c : of.rows()) {
+      low = low.cwiseMin(corners_[c].from.cwiseMin(corners_[c].to));
+      high = high.cwiseMax(corners_[c].from.cwiseMax(corners_[c].to));
+    }
+    const Vec3 reach = packed(shape.size) + Vec3::Constant(shape.margin + room);
+    return (low.array() <= reach.array()).all() && (high.array() >= -reach.array()).all();
+  }
   Vec3 middle = Vec3::Zero();
   for (const std::size_t c : of.rows()) middle += corners_[c].to;
   middle /= of.count;
@@ -165,10 +178,6 @@ Vec3 SurfacePress::mean(const ContactPoints::Shares& share, const Corners& of, V
   return sum;
 }
 
-void SurfacePress::load(const Corners& of, const ContactPoints::Shares& share, double load) {
-  for (std::size_t k = 0; k < of.rows().size(); ++k) corners_[of.row[k]].load += share[k] * load;
-}
-
 /// Keeps a point that is in the tool at the step's end.
 void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share,
                         double area) {
@@ -176,7 +185,7 @@ void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const C
   const double depth = depth_of(shape, from, to, to - from).depth;
   if (!(depth > 0.0)) return;
   pressed_.push_back({of, share, from, area * depth});
-  load(of, share, area * depth);
+  for (std::size_t c = 0; c < of.rows().size(); ++c) corners_[of.row[c]].load += share[c] * area * depth;
 }
 
 /// Finds the patches that may touch.
@@ -185,9 +194,10 @@ void SurfacePress::meet(const ShapeIn<double>& shape, const ToolFrame& start, co
   corners_.clear();
   loaded_.clear();
   met_.clear();
+  const double room = shape.kind == ShapeKind::box ? touched.going() : 0.0;  // a later look may find what comes nearer
   for (const Index row : near_) {
     const Corners of = corners_of(row, start, end, touched);
-    if (!may_touch(shape, of, 0.0)) continue;
+    if (!may_touch(shape, of, room)) continue;
     const ContactPoints::Patch& patch = points_.patches[row];
     const bool is_triangle = of.count == 3 && !patch.of_cut_cell;
     met_.push_back({of, &patch, is_triangle});
@@ -211,7 +221,6 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
   const double dt = touched.dt();
   pressed_.clear();
   below_.clear();
-  below_points_.clear();
   for (Corner& corner : corners_) corner.load = corner.area = 0.0;
   for (const Met& met : met_) {
     const auto& [of, patch, is_triangle, box] = met;
@@ -219,13 +228,7 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
     if (box ? is_before_one_face(*box, of) : is_triangle && shape.kind == ShapeKind::half_space) {
       for (const std::size_t c : of.rows()) corners_[c].area += area / 3.0;
     } else if (box && shape.margin == 0.0) {
-      const PointsInBox in(*box, {corners_[of.row[0]].to, corners_[of.row[1]].to, corners_[of.row[2]].to}, area);
-      const std::size_t first = below_points_.size();
-      for (const PointsInBox::Point& point : std::span(in.points).first(in.count)) {
-        below_points_.push_back({{point}});
-        load(of, point.share, point.load);
-      }
-      if (in.count > 0) below_.push_back({of, &*box, first, below_points_.size()});
+      look_below(*box, of, area, law.placed && law.compliance == 0.0);
     } else {
       for (const ContactPoints::Shares& share : *patch->points) find(shape, of, share, patch->area);
     }
@@ -241,16 +244,36 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
     corner.slot = touched.slot(corner.row);
     const TouchedParticles::Touched& particle = touched[*corner.slot];
     corner.inverse_mass = particle.held || particle.fixed == 7 ? 0.0 : particle.inverse_mass;
+    corner.fixed = particle.fixed;
   }
   for (Pressed& point : pressed_) point.crowd = crowd_of(point.corner, point.share, point.load);
-  for (const Below& below : below_) {
-    for (std::size_t k = below.first; k < below.last; ++k) {
-      const auto [inverse_mass, crowd] = crowd_of(below.corner, below_points_[k].share, below_points_[k].load);
-      if (!(inverse_mass > 0.0)) continue;
-      below_points_[k].inverse_mass = inverse_mass;
-      below_points_[k].gain = dt / (law.compliance * crowd + dt * dt * inverse_mass);
+  for (Below& below : below_) {
+    double crowd = 0.0;  // as of a point
+    for (int c = 0; c < 3; ++c) {
+      const Corner& corner = corners_[below.corner.row[static_cast<std::size_t>(c)]];
+      if (!(below.in.load[c] > 0.0)) continue;
+      const double part = below.in.push.col(c).squaredNorm() * corner.load / below.in.load[c];
+      below.inverse_mass += part * corner.inverse_mass;
+      crowd += part;
     }
+    if (below.inverse_mass > 0.0) below.gain = dt / (law.compliance * crowd + dt * dt * below.inverse_mass);
   }
+}
+
+/// Keeps a triangle that is in the box.
+void SurfacePress::look_below(const BoxPlanes& box, const Corners& of, double area, bool comes_out) {
+  const auto at = [&](Vec3 Corner::*place) {
+    return std::array{corners_[of.row[0]].*place, corners_[of.row[1]].*place, corners_[of.row[2]].*place};
+  };
+  const DepthInBox in = depth_in(box, at(&Corner::to), area);
+  if (!(in.square > 0.0)) return;
+  Below& made = below_.emplace_back(Below{.corner = of, .in = in, .out = in.square});
+  for (int c = 0; c < 3; ++c) {
+    Corner& corner = corners_[of.row[static_cast<std::size_t>(c)]];
+    made.out += in.push.col(c).dot(corner.to);
+    corner.load += in.load[c];
+  }
+  if (comes_out) made.before = std::min(1.0, std::sqrt(depth_in(box, at(&Corner::from), area).square / in.square));
 }
 
 /// Particles take nothing before hand_over(). m, how deep the point was; 0: there is nothing for them.
@@ -273,55 +296,36 @@ double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double
   return in.depth;
 }
 
-/// The same for points of PointsInBox, in few operations: their normals are the box's axes.
-double SurfacePress::press_below(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Below& below) {
-  const bool comes_out = law.placed && law.compliance == 0.0;
+/// The same for a triangle over a box's edges.
+double SurfacePress::press_below(const Below& below) {
   const auto corner = [&](int c) -> Corner& { return corners_[below.corner.row[static_cast<std::size_t>(c)]]; };
-  const Vec3 middle = 0.5 * (below.box->low + below.box->high), half = 0.5 * (below.box->high - below.box->low);
-  Mat3 to;  // m, columns: of the corners; likewise
-  for (int c = 0; c < 3; ++c) to.col(c) = corner(c).to - middle;
-  Mat3 impulse = Mat3::Zero(), shift = Mat3::Zero();
-  double deepest = 0.0;
-  for (std::size_t k = below.first; k < below.last; ++k) {
-    const BelowPoint& own = below_points_[k];
-    const Eigen::Map<const Vec3> share(own.share.data());
-    const Vec3 off = to * share, above = off.cwiseAbs() - half;
-    const int axis = above[0] >= above[1] && above[0] >= above[2] ? 0 : above[1] >= above[2] ? 1 : 2;
-    const double depth = -above[axis], side = off[axis] < 0.0 ? -1.0 : 1.0;
-    if (!(depth > 0.0) || own.gain == 0.0) continue;
-    deepest = std::max(deepest, depth);
-    double before = 0.0;
-    if (comes_out) {
-      const Vec3 from = share[0] * corner(0).from + share[1] * corner(1).from + share[2] * corner(2).from;
-      before = std::clamp(-distance_to(shape, unpacked(from)).phi, 0.0, depth);
-      shift.row(axis) += side * before / own.inverse_mass * share.transpose();
-    }
-    impulse.row(axis) += side * (depth - before) * own.gain * share.transpose();
-  }
-  if (deepest == 0.0) return 0.0;
+  const Mat3& push = below.in.push;
+  double deep = below.out;  // m^4
+  for (int c = 0; c < 3; ++c) deep -= push.col(c).dot(corner(c).to);
+  if (!(deep > 0.0) || below.gain == 0.0) return 0.0;
   for (int c = 0; c < 3; ++c) {
-    corner(c).impulse += impulse.col(c);
-    if (comes_out) corner(c).shift += shift.col(c);
+    corner(c).impulse += (1.0 - below.before) * deep * below.gain * push.col(c);
+    corner(c).shift += below.before * deep / below.inverse_mass * push.col(c);
   }
-  return deepest;
+  return deep / below.in.whole;
 }
 
 /// An impulse and a shift, in the tool's frame, to a particle that can take it.
 void SurfacePress::give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
-                        TouchedParticles& touched) {
-  TouchedParticles::Touched& particle = touched[*corner.slot];
-  const Vec3 given = TouchedParticles::push(particle, end.turn * impulse);
-  const Vec3 by = particle.free_part(end.turn * shift);
-  particle.shift += by;
+                        const TouchedParticles& touched) {
+  const auto taken = [&](const Vec3& v) -> Vec3 {
+    return corner.fixed == 0 ? v : Vec3(end.turn.transpose() * free_part(end.turn * v, corner.fixed));
+  };
+  const Vec3 given = taken(impulse), by = taken(shift);
   corner.given += given;
-  corner.to += end.turn.transpose() * (touched.dt() * corner.inverse_mass * given + by);
+  corner.shifted += by;
+  corner.to += touched.dt() * corner.inverse_mass * given + by;
 }
 
 /// What a round's points gave.
-void SurfacePress::hand_over(const ToolFrame& end, TouchedParticles& touched) {
+void SurfacePress::hand_over(const ToolFrame& end, const TouchedParticles& touched) {
   for (const std::size_t k : loaded_) {
     Corner& corner = corners_[k];
-    if (corner.impulse == Vec3::Zero() && corner.shift == Vec3::Zero()) continue;
     if (corner.inverse_mass > 0.0) {
       give(corner, corner.impulse, corner.inverse_mass * corner.shift, end, touched);
       corner.pressed += corner.impulse;
@@ -330,7 +334,7 @@ void SurfacePress::hand_over(const ToolFrame& end, TouchedParticles& touched) {
   }
 }
 
-void SurfacePress::rub(double friction, const ToolFrame& end, TouchedParticles& touched) {
+void SurfacePress::rub(double friction, const ToolFrame& end, const TouchedParticles& touched) {
   for (const std::size_t k : loaded_) {
     Corner& corner = corners_[k];
     const double press = corner.pressed.norm();
@@ -343,7 +347,6 @@ void SurfacePress::rub(double friction, const ToolFrame& end, TouchedParticles& 
     if (size > most) wanted *= most / size;
     give(corner, wanted - corner.rubbed, Vec3::Zero(), end, touched);
     corner.rubbed = wanted;
-    touched[*corner.slot].rubbed = friction * (end.turn * normal);
   }
 }
 
@@ -353,22 +356,27 @@ double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<do
   const double dt = touched.dt();
   meet(shape, start, end, touched);
   double deepest = 0.0;
-  const int rounds = rounds_of_surface(law.placed, shape.kind);
-  for (int round = 0; round < rounds; ++round) {
-    if (round % (rounds / looks_of_surface(shape.kind)) == 0) find_points(shape, law, touched);
+  for (int round = 0; round < rounds_of_surface(law.placed); ++round) {
+    const bool looks = round == 0 || (shape.kind == ShapeKind::box && round % rounds_of_look == 0);
+    if (looks) find_points(shape, law, touched);
     double deep = 0.0;
     for (const Pressed& point : pressed_) deep = std::max(deep, press(shape, law, point, dt));
-    for (const Below& below : below_) deep = std::max(deep, press_below(shape, law, below));
-    if (deep == 0.0) break;
+    for (const Below& below : below_) deep = std::max(deep, press_below(below));
     deepest = std::max(deepest, deep);
-    hand_over(end, touched);
-    if (law.friction > 0.0) rub(law.friction, end, touched);
+    const bool is_out = deep == 0.0 && (looks || below_.empty());
+    if (deep > 0.0) hand_over(end, touched);
+    if (law.friction > 0.0 && (is_out || (round + 1) % rounds_of_look == 0)) rub(law.friction, end, touched);
+    if (is_out) break;
   }
   for (const std::size_t k : loaded_) {
     const Corner& corner = corners_[k];
-    if (corner.given == Vec3::Zero()) continue;
+    if (corner.given == Vec3::Zero() && corner.shifted == Vec3::Zero()) continue;
     TouchedParticles::Touched& particle = touched[*corner.slot];
-    react(force, end, particle.position, corner.given + dt * TouchedParticles::borne(particle, corner.given), dt);
+    const Vec3 given = TouchedParticles::push(particle, end.turn * corner.given);
+    particle.shift += particle.free_part(end.turn * corner.shifted);
+    if (law.friction > 0.0) particle.rubbed = law.friction * (end.turn * corner.pressed.normalized());
+    if (given == Vec3::Zero()) continue;
+    react(force, end, particle.position, given + dt * TouchedParticles::borne(particle, given), dt);
   }
   return deepest;
 }

@@ -13,22 +13,26 @@
 // points, and what lies evenly deep comes out in one round. Because a point that begins to touch has no load, the force
 // is continuous as a tool slides. The next step starts from what the last round leaves.
 //
-// Friction acts on the particles, after the points of each round, as in touch_in_step: against all sliding of a
-// particle, up to Coulomb's limit by what all rounds have pressed it with. So what sticks does not creep. (Friction of
-// a point in a round could use that round's press alone. Shallow points would slide where deep ones have limit to
-// spare, a little in each step, without end.)
+// Friction acts on the particles, after every second round, as in touch_in_step: against all sliding of a particle, up
+// to Coulomb's limit by what all rounds have pressed it with. So what sticks does not creep. (Friction of a point in a
+// round could use that round's press alone. Shallow points would slide where deep ones have limit to spare, a little in
+// each step, without end.)
 //
 // A flat face presses a triangle that lies before it at its corners: so under a plate a particle is one point, as with
-// ToolContact::particles. Over a box's edges the parts of a triangle that are nearest to each face are pressed at their
-// corners (PointsInBox). Other tools, boxes with a margin, and what moves far in a step: at all points. A box is thin
-// to what would pass its middle in a step, as light particles would that are pressed hard: it is then as if the box
-// were thicker on the side that the triangle does not come from.
+// ToolContact::particles. A triangle over a box's edges is one constraint, the root of the integral of its squared
+// depth phi (depth_in), whose gradient pushes all its corners: as the nearest faces' parts of that integral have it,
+// which at an edge is along the triangle's normal. In place of a point's mass it has
+//   1 / sum_i |g_i|^2 L_i / (L_si m_i),   g_i = integral of phi n w_i,   L_si = integral of phi w_i.
+// Cut triangles, boxes with a margin, and what moves far in a step are pressed at all points, as by other tools. A box
+// is thin to what would pass its middle in a step, as light particles would that are pressed hard: it is then as if the
+// box were thicker on the side that the triangle does not come from.
 //
 // Which triangles a tool may touch is found with some room to spare and kept while body and tool use it up.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -50,17 +54,15 @@ constexpr bool lets_surface_out(double dt, double last_dt) {
 constexpr int most_again = 50;  ///< times that they look anew
 
 /// Rounds in a step, and in one that moves a body out of a tool that was put over it: what those leave would come out
-/// with speed. At a box few points act, which leave more in a round.
-constexpr int rounds_of_surface(bool placed, ShapeKind kind) {
-  return placed ? 60 : kind == ShapeKind::box ? 10 : 6;
+/// with speed.
+constexpr int rounds_of_surface(bool placed) {
+  return placed ? 60 : 6;
 }
 
-/// Times in a step that points are looked for. Those of a triangle over a box's edge depend on its place. In the places
-/// that only elastic forces would take particles to, triangles are deeper in the box than they come to be. Pushed from
-/// there alone, they are driven along the edge, and tissue flutters about it without end.
-constexpr int looks_of_surface(ShapeKind kind) {
-  return kind == ShapeKind::box ? 2 : 1;
-}
+/// After so many rounds friction acts, and triangles over a box's edges are looked at anew. How they are in the box
+/// depends on their places: in those that only elastic forces would take particles to, they are deeper than they come
+/// to be. Pushed from there alone, they are driven along the edge, and tissue flutters about it without end.
+constexpr int rounds_of_look = 2;
 
 /// Whether a particle below the surface was in the tool before this step. One that was not is stopped as with
 /// ToolContact::particles: where a body is hit hard, its surface alone does not keep the rest out of the tool.
@@ -92,10 +94,11 @@ class SurfacePress {
     Index row = -1;
     std::optional<std::size_t> slot{};       // once it has a load
     double inverse_mass = 0.0;               // 1/kg, 0 where it is imposed or held; likewise
+    std::uint8_t fixed = 0;                  // TouchedParticles::Touched; likewise
     double area = 0.0;                       // m^2, that it stands for where triangles are pressed at their corners
-    double load = 0.0;                       // m^3: sum over the points that touch of share times load
-    Vec3 pressed{0, 0, 0}, rubbed{0, 0, 0};  // N s, of all rounds: by points, and by friction
-    Vec3 given{0, 0, 0};                     // N s, of all rounds, in the world
+    double load = 0.0;                       // m^3: sum over what touches of its part of that load
+    Vec3 pressed{0, 0, 0}, rubbed{0, 0, 0};  // N s, of all rounds: by points and triangles, and by friction
+    Vec3 given{0, 0, 0}, shifted{0, 0, 0};   // N s; m: of all rounds, what it could take
   };
   struct Corners {  // of a patch, in corners_
     std::array<std::size_t, 4> row{};
@@ -118,13 +121,13 @@ class SurfacePress {
     double load = 0.0;              // m^3: its area times its depth
     Crowd crowd{};
   };
-  struct Below {  // a triangle with points of PointsInBox
+  struct Below {  // a triangle over a box's edges, where it was looked at
     Corners corner{};
-    const BoxPlanes* box = nullptr;
-    std::size_t first = 0, last = 0;  // of below_points_
-  };
-  struct BelowPoint : PointsInBox::Point {
-    double inverse_mass = 0.0, gain = 0.0;  // 1/kg: a_s, and N s/m
+    DepthInBox in{};
+    double out = 0.0;           // m^4: what the sum of in.push times the corners' places is when it is out
+    double before = 0.0;        // of its depth, what it had before this step
+    double inverse_mass = 0.0;  // m^6/kg, of in.push
+    double gain = 0.0;          // N s/m^4
   };
 
   Corners corners_of(Index patch, const ToolFrame& start, const ToolFrame& end, const TouchedParticles& touched);
@@ -142,17 +145,17 @@ class SurfacePress {
   void meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
             const TouchedParticles& touched);
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
-  void load(const Corners& of, const ContactPoints::Shares& share, double load);
   Crowd crowd_of(const Corners& of, const ContactPoints::Shares& share, double load) const;
   void find_points(const ShapeIn<double>& shape, const ContactLaw<double>& law, TouchedParticles& touched);
   double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
-  double press_below(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Below& below);
+  void look_below(const BoxPlanes& box, const Corners& of, double area, bool comes_out);
+  double press_below(const Below& below);
   double press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                    const ToolFrame& end, TouchedParticles& touched, ToolForce& force);
-  void hand_over(const ToolFrame& end, TouchedParticles& touched);
-  void rub(double friction, const ToolFrame& end, TouchedParticles& touched);
+  void hand_over(const ToolFrame& end, const TouchedParticles& touched);
+  void rub(double friction, const ToolFrame& end, const TouchedParticles& touched);
   static void give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
-                   TouchedParticles& touched);
+                   const TouchedParticles& touched);
 
   ContactPoints points_;
   std::vector<Index> corner_of_;  // [N] of corners_, -1: not in this step
@@ -161,7 +164,6 @@ class SurfacePress {
   std::vector<std::size_t> loaded_;  // of corners_: that have had a load in this step
   std::vector<Pressed> pressed_;
   std::vector<Below> below_;
-  std::vector<BelowPoint> below_points_;
 
   // Of the last find_near().
   std::vector<Index> near_;          // patches, ascending

@@ -251,8 +251,9 @@ TEST_P(NearTrianglesIn, ALargeFaceDoesNotHideASmallOneAtTheirEdge) {
   }
 }
 
-/// Of random triangles on their way through a box: what the points keep out is all of the triangle, and no load jumps.
-TEST(PointsInBox, KeepTheWholeTriangleOutAndChangeContinuously) {
+/// Of random triangles on their way through a box: what is in it is found, as the integrals of another rule have it,
+/// and what pushes it out is minus half the gradient of the squared depth, without jumps.
+TEST(DepthInBox, IsThatOfTheWholeTriangleAndPushesAlongItsGradient) {
   const Vec3 half(0.01, 0.012, 0.002);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -260,7 +261,6 @@ TEST(PointsInBox, KeepTheWholeTriangleOutAndChangeContinuously) {
   for (int trial = 0; trial < 200; ++trial) {
     BoxPlanes box{-half, half};
     if (trial % 2 == 1) box.low.z() *= 1.5;
-    const auto deep = [&](const Vec3& q) { return (box.high - q).cwiseMin(q - box.low).minCoeff(); };
     std::array<Vec3, 3> at;
     for (Vec3& corner : at) corner = 0.015 * Vec3(unit(random), unit(random), 0.3 * unit(random));
     const Vec3 way = 1e-5 * Vec3(unit(random), unit(random), unit(random));
@@ -268,27 +268,38 @@ TEST(PointsInBox, KeepTheWholeTriangleOutAndChangeContinuously) {
     double before = -1.0;
     for (int step = 0; step < 20; ++step) {
       for (Vec3& corner : at) corner += way;
-      const PointsInBox in(box, at, area);
-      const auto place = [&](const auto& share) {
-        return Vec3(share[0] * at[0] + share[1] * at[1] + share[2] * at[2]);
-      };
-      double load = 0.0, kept = 0.0, deepest = 0.0;
-      for (const PointsInBox::Point& point : std::span(in.points).first(in.count)) {
-        load += point.load;
-        kept = std::max(kept, deep(place(point.share)));
-      }
-      for (int a = 0; a <= 20; ++a) {
-        for (int b = 0; a + b <= 20; ++b) {
-          deepest = std::max(deepest, deep(place(std::array{a / 20.0, b / 20.0, (20 - a - b) / 20.0})));
-        }
-      }
-      inside += deepest > 0.0;
-      ASSERT_GE(kept, 0.87 * deepest) << trial;
+      const DepthInBox in = depth_in(box, at, area);
+      double square = 0.0;
+      Mat3 push = Mat3::Zero();
+      Vec3 load = Vec3::Zero();
+      integrate_depth(box, at, area, [&](const DepthPoint& point) {
+        const Vec3 own = point.weight * point.depth * Vec3(point.share[0], point.share[1], point.share[2]);
+        square += point.weight * point.depth * point.depth;
+        push.row(point.face / 2) += (point.face % 2 == 0 ? 1.0 : -1.0) * own.transpose();
+        load += own;
+      });
+      EXPECT_NEAR(in.square, square, 1e-10 * area * half.z() * half.z()) << trial;
+      EXPECT_LT((in.push - push).norm(), 1e-10 * area * half.z()) << trial;
+      EXPECT_LT((in.load - load).norm(), 1e-10 * area * half.z()) << trial;
+      EXPECT_NEAR(in.whole, in.load.sum(), 1e-10 * area * half.z()) << trial;
+      inside += in.square > 0.0;
       // The triangle's area times what it goes deeper by, and the depth times the area that comes in.
       if (before >= 0.0) {
-        ASSERT_NEAR(load, before, 4.0 * way.norm() * (area + 0.03 * half.z())) << trial;
+        ASSERT_NEAR(in.whole, before, 4.0 * way.norm() * (area + 0.03 * half.z())) << trial;
       }
-      before = load;
+      before = in.whole;
+    }
+    const DepthInBox in = depth_in(box, at, area);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int axis = 0; axis < 3; ++axis) {
+        constexpr double by = 1e-7;
+        auto ahead = at, behind = at;
+        ahead[c][axis] += by;
+        behind[c][axis] -= by;
+        // `area` is that at rest: it stays.
+        const double slope = (depth_in(box, ahead, area).square - depth_in(box, behind, area).square) / (2.0 * by);
+        EXPECT_NEAR(in.push(axis, static_cast<Eigen::Index>(c)), -0.5 * slope, 1e-4 * area * half.z()) << trial;
+      }
     }
   }
   EXPECT_GT(inside, 1000);
@@ -296,13 +307,13 @@ TEST(PointsInBox, KeepTheWholeTriangleOutAndChangeContinuously) {
 
 /// A triangle as near to one face as to another all over is pressed by one of them; corners on planes leave no points
 /// without a weight.
-TEST(PointsInBox, TiesAndCornersOnPlanesAreNoHoles) {
+TEST(DepthInBox, TiesAndCornersOnPlanesAreNoHoles) {
   const BoxPlanes cube{Vec3::Constant(-0.01), Vec3::Constant(0.01)};
   const std::array<Vec3, 3> between{Vec3(0.004, 0, 0.004), Vec3(0.006, 0.001, 0.006), Vec3(0.006, -0.001, 0.006)};
   const std::array<Vec3, 3> at_planes{Vec3(0.01, 0, 0), Vec3(0.005, 0.001, 0.005), Vec3(0.002, -0.001, 0.0)};
   for (const auto& at : {between, at_planes}) {
     const double area = 0.5 * (at[1] - at[0]).cross(at[2] - at[0]).norm();
-    EXPECT_GT(PointsInBox(cube, at, area).count, 0u);
+    EXPECT_GT(depth_in(cube, at, area).square, 0.0);
     double covered = 0.0;
     integrate_depth(cube, at, area, [&](const DepthPoint& point) {
       covered += point.weight;
@@ -313,7 +324,7 @@ TEST(PointsInBox, TiesAndCornersOnPlanesAreNoHoles) {
 }
 
 /// Below one face: the integral of a linear depth, squared, and its derivatives by the corners.
-TEST(PointsInBox, IntegralsOverTheDepthAreExact) {
+TEST(DepthInBox, IntegralsOverTheDepthAreExact) {
   const BoxPlanes box{-Vec3(0.05, 0.05, 0.01), Vec3(0.05, 0.05, 0.01)};
   const std::array<Vec3, 3> at{Vec3(0, 0, 0.009), Vec3(0.01, 0, 0.007), Vec3(0, 0.01, 0.004)};
   const Vec3 depth(0.001, 0.003, 0.006);
