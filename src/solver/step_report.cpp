@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Progress of long calls: the plan of a call is divided into slices, and the clock is read between them. A backend
-// keeps its count of steps at rest from one do_step() to the next, so the slices change nothing.
+// What reports say in words. Progress of long calls: the plan of a call is divided into slices, and the clock is read
+// between them. A backend keeps its count of steps at rest from one do_step() to the next, so the slices change
+// nothing.
 #include <phymul/backend.h>
 #include <phymul/step_report.h>
 
