@@ -56,7 +56,7 @@ class GlxHost {
   bool works() const { return works_; }
 
  private:
-  Display* display_;
+  ::Display* display_;
   GLXDrawable drawable_ = 0;
   GLXContext context_ = nullptr;
   bool works_ = false;
@@ -65,7 +65,7 @@ class GlxHost {
 struct GlxBindings {
   GLXContext context = glXGetCurrentContext();
   GLXDrawable draw = glXGetCurrentDrawable(), read = glXGetCurrentReadDrawable();
-  Display* display = glXGetCurrentDisplay();
+  ::Display* display = glXGetCurrentDisplay();
   bool operator==(const GlxBindings&) const = default;
 };
 
