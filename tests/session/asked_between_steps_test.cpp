@@ -243,6 +243,29 @@ TEST(AskedBetweenSteps, WhatABudgetLeavesStays) {
   }
 }
 
+/// After steps, and where a state was given after the last of them; also a recording that was looked at before.
+TEST(AskedBetweenSteps, WhatABudgetLeavesIsAtTheEndOfAReplay) {
+  for (const bool given : {false, true}) {
+    Stroke stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2), again("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2);
+    stroke.sim.record();
+    for (int tick = 0; tick < 12; ++tick) {
+      stroke.go_on(1e-3);
+      if (tick > 5) stroke.sim.recording();
+    }
+    if (given) stroke.sim.restore(stroke.sim.snapshot());
+    again.sim.replay(stroke.sim.recording());
+    ASSERT_GT(again.sim.snapshot().start.cut_later.size(), 5u) << given;
+    EXPECT_EQ(again.sim.snapshot(), stroke.sim.snapshot()) << given;
+    for (Stroke* const of : {&stroke, &again}) {
+      for (int tick = 0; tick < 30; ++tick) ASSERT_TRUE(of->sim.advance(1e-3).ok());
+    }
+    EXPECT_EQ(again.sim.snapshot(), stroke.sim.snapshot()) << given;
+    Simulation third = std::move(Stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2).sim);
+    third.replay(stroke.sim.recording());
+    EXPECT_EQ(third.snapshot(), stroke.sim.snapshot()) << "none that waited before";
+  }
+}
+
 /// Of two cells the first does not part any more.
 TEST(AskedBetweenSteps, NothingRestsWhileACellWaits) {
   Simulation sim(with_spare_particles(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 3), 100),
