@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/cell_geometry.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -240,6 +241,29 @@ TEST(AskedBetweenSteps, WhatABudgetLeavesStays) {
     }
     EXPECT_EQ(stroke.sim.advance(0.0).cut_later, later) << at_rest;
     EXPECT_EQ(stroke.sim.step(1, 0.3 * stroke.sim.step_limit()).cut_later, later - 2) << at_rest;
+  }
+}
+
+/// Cell 40 is parted by two other cuts while it waits: in two parts, then four.
+TEST(AskedBetweenSteps, WhatWaitsForItsCutDoesSoInAllItsParts) {
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 3), 200),
+                 {.material = asked_tissue, .backend = "reference", .tick_budget = 1});
+  Snapshot start = sim.snapshot();
+  start.start.cut_later = {{.cell = 0, .cut = {1.0, 1.0, 1.0, 1.0}}, {.cell = 40, .cut = {-1e-3, 1e-3, 1e-3, 1e-3}}};
+  sim.restore(start);
+  const Vec3 centre = cell_centre(sim.model().cells[40], sim.model().rest);
+  for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(0, 1, 0)}) {
+    std::vector<Snapshot::CutLater> wanted = sim.snapshot().start.cut_later;
+    const auto row = static_cast<Index>(sim.model().cells.size());
+    ASSERT_TRUE(sim.cut(cut_plane(centre, normal)));
+    const std::vector<BodyCut::Added>& added = sim.cuts().back()->added;
+    const std::vector<Snapshot::CutLater> before = wanted;
+    for (std::size_t k = 0; k < added.size(); ++k) {
+      const auto of = std::ranges::find(before, added[k].of, &Snapshot::CutLater::cell);
+      if (of != before.end()) wanted.push_back({row + static_cast<Index>(k), of->cut});
+    }
+    EXPECT_EQ(wanted.size(), 2 * before.size() - 1);
+    EXPECT_EQ(sim.snapshot().start.cut_later, wanted);
   }
 }
 
