@@ -5,6 +5,7 @@
 #include <phymul/backend.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "model/cell_geometry.h"
@@ -288,6 +289,38 @@ TEST(AskedBetweenSteps, WhatABudgetLeavesIsAtTheEndOfAReplay) {
     third.replay(stroke.sim.recording());
     EXPECT_EQ(third.snapshot(), stroke.sim.snapshot()) << "none that waited before";
   }
+}
+
+/// Of tetrahedra but for hexahedra from x = 30 to 35 mm, which do not part, nor does what touches them. The blade goes
+/// through all of it, and what waits behind them in line gets its cut.
+TEST(AskedBetweenSteps, WhatCannotPartKeepsNobodyWaiting) {
+  Model model = make_block({0.06, 0.04, 0.02}, 12, 8, 4);
+  for (std::size_t row = model.cells.size(); row-- > 0;) {
+    const Cell whole = model.cells[row];
+    if (std::abs(cell_centre(whole, model.rest).x() - 0.0325) < 1e-3) continue;
+    constexpr std::array<std::array<int, 2>, 6> around{{{1, 2}, {2, 3}, {3, 7}, {7, 4}, {4, 5}, {5, 1}}};
+    for (const auto& [a, b] : around) {
+      Cell& part = a == 1 ? model.cells[row] : model.cells.emplace_back(whole);
+      part.type = CellType::tetrahedron;
+      part.particles = {whole.particles[0], whole.particles[a], whole.particles[b], whole.particles[6]};
+    }
+  }
+  std::array<Index, 2> cut{};
+  for (const std::size_t bounded : {0, 1}) {
+    Simulation sim(with_spare_particles(model, 900),
+                   {.material = asked_tissue, .backend = "cpu", .tick_budget = bounded != 0 ? 4 : 0});
+    ToolPose pose = Stroke::first(-0.005);
+    const ToolHandle blade = sim.scene().add_tool("scalpel", {.shape = Blade{.width = 0.03}, .pose = pose});
+    for (int tick = 0; tick < 150; ++tick) {
+      if (tick < 19) pose.position.x() -= 4e-3;
+      blade.move_to(pose);
+      ASSERT_TRUE(sim.advance(1e-4).ok());
+    }
+    cut[bounded] =
+        static_cast<Index>(std::ranges::count_if(sim.model().cells, [](const Cell& c) { return !c.cuts.empty(); }));
+  }
+  EXPECT_GT(cut[0], 200);
+  EXPECT_NEAR(cut[1], cut[0], 0.02 * cut[0]);
 }
 
 /// Of two cells the first does not part any more.
