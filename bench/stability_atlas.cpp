@@ -10,7 +10,7 @@
 #include "csv_row.h"
 #include "stability/stability_methods.h"
 #include "support/failure_states.h"
-#include "support/growth_rate.h"
+#include "support/mechanics.h"
 
 namespace {
 

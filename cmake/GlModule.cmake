@@ -16,7 +16,7 @@ file(GLOB_RECURSE gl_sources CONFIGURE_DEPENDS src/gl/*.cpp)
 if(EMSCRIPTEN)
   # A page has no modules and no EGL: this part is linked, and src/gl/web asks the browser for contexts.
   list(FILTER gl_sources EXCLUDE REGEX "/context/(context_own|egl_display|gl_functions)\\.cpp$")
-  list(FILTER gl_sources EXCLUDE REGEX "/gl/(compute/.*|objects/(kernel|storage_[a-z]+)\\.cpp$)")
+  list(FILTER gl_sources EXCLUDE REGEX "/gl/(compute/.*|objects/storage_buffer\\.cpp$)")
   target_sources(phymul PRIVATE ${gl_sources} ${PROJECT_BINARY_DIR}/shaders/embedded_shaders.cpp src/solver/gl_linked.cpp)
   target_compile_definitions(phymul PRIVATE PHYMUL_HAS_GL)
   target_link_options(phymul INTERFACE -sMIN_WEBGL_VERSION=2 -sMAX_WEBGL_VERSION=2)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 # cmake -DOUTPUT=shaders.cpp -DROOT=glsl "-DFILES=glsl/step/a.glsl;glsl/step/b.glsl" -P embed_shaders.cmake
-# Writes phymul::gl::embedded_shaders (src/gl/objects/shader_source.h): the shaders' text, so that the library needs no files.
+# Writes phymul::gl::embedded_shaders (src/gl/objects/program.h): the shaders' text, so that the library needs no files.
 set(rows "")
 foreach(file IN LISTS FILES)
   file(READ ${file} text)
@@ -14,7 +14,7 @@ foreach(file IN LISTS FILES)
 endforeach()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT [[
 // Made by cmake/embed_shaders.cmake.
-#include "gl/objects/shader_source.h"
+#include "gl/objects/program.h"
 
 namespace phymul::gl {
 

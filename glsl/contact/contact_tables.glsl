@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Surfaces that touch, as in src/device/float_contacts.h, and what the passes of a step write of them, among the rows of the
+// Surfaces that touch, as in src/device/float_scene.h, and what the passes of a step write of them, among the rows of the
 // loads. Single integers are seen through a second block over the same memory; in no dispatch is anything seen through
 // both. Needs dialect_compute.glsl.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The springs of joints, as in src/device/float_joints.h. Needs tables.glsl.
+// The springs of joints, as in src/device/float_scene.h. Needs tables.glsl.
 
 TABLE_INTS(joint_springs, joint_springs_place);  // first row of anchor a, of anchor b, their end; tool
 TABLE_INTS(joint_anchors, joint_anchors_place);  // particle, bits of its weight

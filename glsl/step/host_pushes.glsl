@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the host adds to an open step (src/gl/solver/device_step.h): a row for each particle that something pushes, by
+// What the host adds to an open step (src/gl/solver/device_solver.h): a row for each particle that something pushes, by
 // ascending rows of particles.
 
 TABLE_INTS(push_rows, push_rows_place);        // of the particle

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of src/interaction/closest_point.h, for p = 0: shares of a, b, c in their triangle's point nearest to the origin. Needs
+// Twin of src/model/closed_surface.h, for p = 0: shares of a, b, c in their triangle's point nearest to the origin. Needs
 // kernel_language.glsl.
 
 vec3 closest_point(vec3 a, vec3 b, vec3 c) {

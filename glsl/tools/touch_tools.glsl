@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of tests/mirror/touch_tools.h: a particle and the tools of a scene in one step. Needs tool_tables.glsl,
+// Twin of tests/mirror/mirror_scene.h: a particle and the tools of a scene in one step. Needs tool_tables.glsl,
 // contact_tool.glsl, and net_force.glsl for free_part().
 
 struct ToolFrame {  // axes in the world, place as a sum

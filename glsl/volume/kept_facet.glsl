@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of tests/mirror/mirror_volumes.cpp: a facet of a closed surface, seen from a particle o of it, over the unit of the volume.
+// Twin of tests/mirror/mirror_scene.cpp: a facet of a closed surface, seen from a particle o of it, over the unit of the volume.
 // What it encloses is a difference from rest, as forces are. Needs kept_tables.glsl.
 
 struct KeptFacet {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The volumes that a scene keeps, as in src/device/float_volumes.h, and what passes write of them. Needs tables.glsl.
+// The volumes that a scene keeps, as in src/device/float_scene.h, and what passes write of them. Needs tables.glsl.
 
 TABLE_FLOATS(kept_laws, kept_laws_place);    // two rows a volume: unit (m), 1 / unit, mean mass / 6 (kg);
                                              // over unit^3: what it lacks at rest, what it may lack

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Twin of tests/mirror/volume_root.h: the s nearest to 0 with c1 s + c2 s^2 + c3 s^3 = wanted, on the branch through 0 on
+// Twin of tests/mirror/mirror_scene.h: the s nearest to 0 with c1 s + c2 s^2 + c3 s^3 = wanted, on the branch through 0 on
 // which the cubic grows. Computed as a way t = |s| ahead.
 
 struct VolumeRoot {

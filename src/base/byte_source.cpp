@@ -15,7 +15,6 @@
 
 #include "decimal.h"
 #include "files.h"
-#include "number_chars.h"
 
 namespace phymul {
 namespace {

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <system_error>
 
-#include "number_chars.h"
-
 namespace phymul {
 namespace {
 

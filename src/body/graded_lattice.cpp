@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/place_text.h"
+#include "base/decimal.h"
 #include "filling.h"
 
 namespace phymul {

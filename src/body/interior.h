@@ -7,6 +7,7 @@
 #include <phymul/types.h>
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "lattice.h"
@@ -51,5 +52,67 @@ class SolidInterior : public PlaceInterior {
   double at(const Vec3& x) const;  ///< throws Error where the function is not a number
   const Solid& solid_;
 };
+
+/// Where a line along x passes a triangle.
+struct Passage {
+  double x;   ///< m
+  int enter;  ///< 1: into what the triangle bounds; -1: out of it
+};
+
+/// Of the line at (y, z); none if it misses the triangle. On which side the line passes an edge is computed in the same
+/// way for all triangles of the edge, so that no line slips between two of them or meets both: rounding moves x, but a
+/// line comes out of a closed surface as often as it goes in.
+std::optional<Passage> passage(const VecList& vertices, const std::array<Index, 3>& triangle, double y, double z);
+
+/// Of a mended surface. Keeps references to it and to the lattice.
+///
+/// Inside is where a line along x has gone in through the surface more often than out. More than once is where shells
+/// overlap, which find_crossing() does not see if they do so along common faces only: refused, because the surface's
+/// volume counts it twice.
+class SurfaceInterior : public Interior {
+ public:
+  SurfaceInterior(const Surface& surface, const CentredLattice& lattice);
+  /// Throws Error where the surface overlaps itself.
+  std::vector<char> inside(const CentredLattice& lattice) const override;
+  std::vector<char> inside(const VecList& places) const override;
+  double exit(const Vec3& in, const Vec3& out) const override;
+
+ private:
+  std::array<int, 3> cube_at(const Vec3& x) const;
+  std::size_t row_of(int i, int j, int k) const;
+  void sort_into_cubes();
+
+  const Surface& surface_;
+  const CentredLattice& lattice_;
+  std::vector<Index> of_cube_;    // [cubes + 1] first of each cube in triangles_
+  std::vector<Index> triangles_;  // that reach into each cube of the lattice
+};
+
+/// Where a continuous function that is negative at 0 and positive at 1 is zero. Halves the way until its end is exact
+/// to a millionth of it, faster where the function is smooth: the secant of the two ends, one of them weighed down
+/// where the other moves twice in a row (the Illinois rule).
+template <class Function>
+double root_between(const Function& f) {
+  double a = 0.0, b = 1.0, at_a = f(a), at_b = f(b);
+  int moved = 0;
+  for (int turn = 0; turn < 60 && b - a > 1e-6; ++turn) {
+    double middle = turn % 4 == 3 ? 0.5 * (a + b) : (a * at_b - b * at_a) / (at_b - at_a);
+    if (!(middle > a && middle < b)) middle = 0.5 * (a + b);
+    const double value = f(middle);
+    if (value == 0.0) return middle;
+    if (value < 0.0) {
+      a = middle;
+      at_a = value;
+      if (moved == -1) at_b *= 0.5;
+      moved = -1;
+    } else {
+      b = middle;
+      at_b = value;
+      if (moved == 1) at_a *= 0.5;
+      moved = 1;
+    }
+  }
+  return 0.5 * (a + b);
+}
 
 }  // namespace phymul

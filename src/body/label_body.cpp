@@ -12,9 +12,8 @@
 #include <numbers>
 #include <tuple>
 
-#include "base/place_text.h"
+#include "base/decimal.h"
 #include "filling.h"
-#include "improve_cells.h"
 #include "label_field.h"
 #include "model/cell_geometry.h"
 #include "model/group.h"

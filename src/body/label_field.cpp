@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "base/place_text.h"
+#include "base/decimal.h"
 #include "filling.h"
-#include "root_between.h"
+#include "interior.h"
 
 namespace phymul {
 namespace {

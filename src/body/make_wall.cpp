@@ -9,7 +9,6 @@
 #include "base/decimal.h"
 #include "model/cell_geometry.h"
 #include "model/outer_faces.h"
-#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {

@@ -10,12 +10,12 @@
 #include <numeric>
 #include <tuple>
 
-#include "base/place_text.h"
+#include "base/decimal.h"
+#include "interior.h"
 #include "model/cell_geometry.h"
+#include "model/closed_surface.h"
 #include "model/duplicates.h"
-#include "model/enclosed_volume.h"
 #include "surface_crossings.h"
-#include "surface_interior.h"
 
 namespace phymul {
 namespace {

@@ -13,6 +13,8 @@
 #include <phymul/state.h>
 
 #include <array>
+#include <span>
+#include <string_view>
 #include <vector>
 
 namespace phymul {
@@ -92,5 +94,11 @@ StepBound step_bound(const TopologyTextures& topology, const Spectrum& spectrum)
 /// s. Of x+ = x + dt v+, v+ = d v - dt (K x + C v) / m, whose characteristic polynomial has its roots within the unit
 /// circle while dt^2 k + 2 dt c <= 2 (1 + d), mode by mode. Infinite without stiffness and damping.
 double largest_step(const StepBound& bound, double damping_factor);
+
+// Parts of a snapshot that are numbers alone.
+void put_numbers(std::string_view name, std::span<const double> numbers, Snapshot& snapshot);
+bool has_part(std::string_view name, const Snapshot& snapshot);
+/// [count]; none if there is no such part. Throws Error if it is of another body or not finite.
+std::vector<double> numbers_of(std::string_view name, std::size_t count, const Snapshot& snapshot);
 
 }  // namespace phymul

@@ -2,13 +2,10 @@
 //
 // The elastic terms of a body, in double precision and plain loops: the truth other backends are held against.
 #include <phymul/elasticity.h>
-
 #include <phymul/error.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "averaged_stiffness.h"
 #include "domain_forces.h"
 #include "force_shape.h"
 #include "force_spring.h"

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <memory>
 
-#include "averaged_stiffness.h"
 #include "base/union_find.h"
+#include "dissipation.h"
 #include "local_steps.h"
 #include "rotation.h"
-#include "snapshot_numbers.h"
+#include "scaled_tables.h"
 #include "substep_loop.h"
 
 namespace phymul {

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "base/symmetric_modes.h"
-#include "scaled_stiffness.h"
 #include "scaled_tables.h"
 #include "substep_loop.h"
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "scaled_stiffness.h"
+#include "scaled_tables.h"
 
 namespace phymul {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "dissipation.h"
 #include "model/cell_geometry.h"
-#include "scaled_stiffness.h"
+#include "scaled_tables.h"
 
 namespace phymul {
 namespace {
@@ -61,7 +61,7 @@ LimitingPlace place_of(const Model& model, const std::vector<double>& share) {
   return place;
 }
 
-// Extreme eigenvalues of M^-1 K: Lanczos works on the symmetric M^-1/2 K M^-1/2 (scaled_stiffness.h), Arnoldi on the
+// Extreme eigenvalues of M^-1 K: Lanczos works on the symmetric M^-1/2 K M^-1/2 (scaled_tables.h), Arnoldi on the
 // same similarity transform of an unsymmetric K. Source: Golub & Van Loan, Matrix Computations, ch. 10.
 
 using Vector = Eigen::VectorXd;

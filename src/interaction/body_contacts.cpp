@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "closest_point.h"
+#include "model/closed_surface.h"
 
 namespace phymul {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "closest_point.h"
+#include "model/closed_surface.h"
 
 namespace phymul {
 namespace {

@@ -20,7 +20,6 @@
 #include <phymul/scene.h>
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>

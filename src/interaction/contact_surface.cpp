@@ -10,10 +10,9 @@
 #include <utility>
 
 #include "base/union_find.h"
-#include "closest_point.h"
 #include "model/cell_geometry.h"
+#include "model/closed_surface.h"
 #include "model/outer_faces.h"
-#include "model/surface_facets.h"
 
 namespace phymul {
 namespace {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "model/outer_faces.h"
-#include "scene/body_rows.h"
+#include "scene/loose_parts.h"
 
 namespace phymul {
 

@@ -10,10 +10,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
-#include "model/enclosed_volume.h"
+#include "model/closed_surface.h"
 
 namespace phymul {
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "needle_path.h"
-#include "needle_shaft.h"
 
 namespace phymul {
 namespace {

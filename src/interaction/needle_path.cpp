@@ -9,8 +9,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/surface_facets.h"
-#include "scene/needle_measures.h"
+#include "model/outer_faces.h"
+#include "scene/tool_state.h"
 
 namespace phymul {
 namespace {

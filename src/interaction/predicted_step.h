@@ -8,7 +8,6 @@
 #include <phymul/types.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -8,7 +8,6 @@
 #include <phymul/state.h>
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <vector>
 

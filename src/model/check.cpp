@@ -9,7 +9,7 @@
 #include <map>
 #include <numeric>
 
-#include "base/place_text.h"
+#include "base/decimal.h"
 #include "cell_cutter.h"
 #include "cell_geometry.h"
 #include "duplicates.h"

@@ -7,9 +7,8 @@
 #include <cmath>
 
 #include "base/decimal.h"
-#include "closest_triangle.h"
-#include "enclosed_volume.h"
-#include "surface_facets.h"
+#include "closed_surface.h"
+#include "outer_faces.h"
 
 namespace phymul {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "cell_cutter.h"
 #include "cell_geometry.h"
-#include "require_indices.h"
 
 namespace phymul {
 namespace {

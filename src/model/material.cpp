@@ -13,7 +13,6 @@
 #include "base/decimal.h"
 #include "cell_geometry.h"
 #include "group.h"
-#include "point_cells.h"
 
 namespace phymul {
 namespace {

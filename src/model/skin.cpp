@@ -14,7 +14,6 @@
 #include "base/box_tree.h"
 #include "base/decimal.h"
 #include "base/fnv.h"
-#include "base/place_text.h"
 #include "cell_geometry.h"
 
 namespace phymul {

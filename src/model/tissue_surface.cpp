@@ -10,40 +10,38 @@
 #include <tuple>
 #include <utility>
 
-#include "cell_geometry.h"
 #include "outer_faces.h"
-#include "surface_facets.h"
 
 namespace phymul {
 namespace {
 
-using Corner = Eigen::Vector4d;  // barycentric coordinates in a tetrahedron
+using Barycentric = Eigen::Vector4d;  // barycentric coordinates in a tetrahedron
 
 /// In a face of a tetrahedron or in a section of it: at most 4 corners, and one more for each of three cuts.
 class Polygon {
  public:
   static constexpr std::size_t most = 16;
-  void push_back(const Corner& at) {
+  void push_back(const Barycentric& at) {
     if (count_ < most) corners_[count_++] = at;  // more are rounding's, of a polygon as thin as that
   }
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
-  Corner& operator[](std::size_t k) { return corners_[k]; }
-  const Corner& operator[](std::size_t k) const { return corners_[k]; }
+  Barycentric& operator[](std::size_t k) { return corners_[k]; }
+  const Barycentric& operator[](std::size_t k) const { return corners_[k]; }
   auto begin() { return corners_.begin(); }
   auto begin() const { return corners_.begin(); }
   auto end() { return corners_.begin() + static_cast<std::ptrdiff_t>(count_); }
   auto end() const { return corners_.begin() + static_cast<std::ptrdiff_t>(count_); }
 
  private:
-  std::array<Corner, most> corners_;
+  std::array<Barycentric, most> corners_;
   std::size_t count_ = 0;
 };
 
 /// Of the body's spacing, in weights: vertices that differ by less are one.
 constexpr double one_vertex = 1e-6;
 
-Corner values(const CellCut& cut) {
+Barycentric values(const CellCut& cut) {
   return {cut[0], cut[1], cut[2], cut[3]};
 }
 
@@ -51,7 +49,7 @@ Corner values(const CellCut& cut) {
 void clip(const CellCut& cut, Polygon& polygon) {
   Polygon clipped;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Corner &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
+    const Barycentric &from = polygon[k], &to = polygon[(k + 1) % polygon.size()];
     const double here = values(cut).dot(from), there = values(cut).dot(to);
     if (here >= 0.0) clipped.push_back(from);
     if (here * there < 0.0) clipped.push_back(from + here / (here - there) * (to - from));
@@ -64,11 +62,11 @@ Polygon section(const CellCut& cut) {
   Polygon found;
   for (Eigen::Index a = 0; a < 4; ++a) {
     const double at_a = cut[static_cast<std::size_t>(a)];
-    if (at_a == 0.0) found.push_back(Corner::Unit(a));
+    if (at_a == 0.0) found.push_back(Barycentric::Unit(a));
     for (Eigen::Index b = 0; b < a; ++b) {
       const double at_b = cut[static_cast<std::size_t>(b)];
       if (at_a * at_b >= 0.0) continue;
-      found.push_back(at_a / (at_a - at_b) * Corner::Unit(b) + at_b / (at_b - at_a) * Corner::Unit(a));
+      found.push_back(at_a / (at_a - at_b) * Barycentric::Unit(b) + at_b / (at_b - at_a) * Barycentric::Unit(a));
     }
   }
   const bool parts = std::ranges::any_of(cut, [](double v) { return v > 0.0; }) &&
@@ -130,7 +128,7 @@ class TissueSurfaceBuilder {
     const Cell& cell = *own.cell;
     Polygon face;
     for (std::size_t k = 0; k < 3; ++k) {
-      face.push_back(Corner::Unit(std::ranges::find(cell.particles, own.ring[k]) - cell.particles.begin()));
+      face.push_back(Barycentric::Unit(std::ranges::find(cell.particles, own.ring[k]) - cell.particles.begin()));
     }
     for (const CellCut& cut : cell.cuts) clip(cut, face);
     add(cell, face, false);
@@ -141,7 +139,7 @@ class TissueSurfaceBuilder {
       Polygon face = section(cell.cuts[k]);
       if (face.empty()) continue;
       // Outward: to where the cut's function is negative.
-      const auto place = [&](const Corner& at) {
+      const auto place = [&](const Barycentric& at) {
         Vec3 x = Vec3::Zero();
         for (std::size_t v = 0; v < 4; ++v) x += at[static_cast<Eigen::Index>(v)] * model_.rest[cell.particles[v]];
         return x;
@@ -149,7 +147,7 @@ class TissueSurfaceBuilder {
       Eigen::Index inner = 0;
       values(cell.cuts[k]).maxCoeff(&inner);
       const Vec3 normal = (place(face[1]) - place(face[0])).cross(place(face[2]) - place(face[0]));
-      if (normal.dot(place(Corner::Unit(inner)) - place(face[0])) > 0.0) std::ranges::reverse(face);
+      if (normal.dot(place(Barycentric::Unit(inner)) - place(face[0])) > 0.0) std::ranges::reverse(face);
       for (std::size_t other = 0; other < cell.cuts.size(); ++other) {
         if (other != k) clip(cell.cuts[other], face);
       }
@@ -160,7 +158,7 @@ class TissueSurfaceBuilder {
   void add(const Cell& cell, const Polygon& polygon, bool of_cut) {
     std::array<Index, Polygon::most> corners{};
     std::size_t count = 0;
-    for (const Corner& at : polygon) {
+    for (const Barycentric& at : polygon) {
       const Index made = vertex(cell, at);
       if (count == 0 || (corners[count - 1] != made && corners[0] != made)) corners[count++] = made;
     }
@@ -186,7 +184,7 @@ class TissueSurfaceBuilder {
     return known;
   }
 
-  Index vertex(const Cell& cell, const Corner& at) {
+  Index vertex(const Cell& cell, const Barycentric& at) {
     std::array<std::pair<Index, double>, 4> weights;
     weights.fill({-1, 0.0});
     std::size_t count = 0;

@@ -10,8 +10,8 @@
 #include "cell_cutter.h"
 #include "cell_geometry.h"
 #include "file_extras.h"
+#include "group.h"
 #include "material.h"
-#include "require_indices.h"
 
 namespace phymul {
 namespace {

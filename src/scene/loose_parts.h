@@ -3,12 +3,18 @@
 
 #include <phymul/bodies.h>
 #include <phymul/scene.h>
-#include <phymul/state.h>
 
 #include <span>
 #include <vector>
 
 namespace phymul {
+
+/// What connected_bodies() returns, without its lists: of each particle the row of its body, -1 where it was removed.
+struct BodyRows {
+  std::vector<Index> of;  ///< [N]
+  Index count = 0;
+};
+BodyRows body_rows(const Model& model);
 
 /// Whether tools, threads or contacts may hold any part.
 bool may_hold_any(const Scene& scene);

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "load_types.h"
-#include "model/require_indices.h"
-#include "model/surface_facets.h"
+#include "model/group.h"
+#include "model/outer_faces.h"
+#include "scene_items.h"
 
 namespace phymul {
 namespace {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <phymul/error.h>
+#include <phymul/load.h>
 #include <phymul/scene.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 #include <vector>
 
 #include "base/decimal.h"
-#include "model/require_indices.h"
+#include "model/group.h"
 
 namespace phymul {
 
@@ -94,5 +95,10 @@ struct AnchorCheck {
     throw Error(ErrorCode::unknown_name, label + "the scene has no tool \"" + anchor.tool + '"');
   }
 };
+
+/// Whether a load of this type imposes positions; others apply forces.
+inline bool imposes(LoadType type) {
+  return type == LoadType::translation || type == LoadType::rotation;
+}
 
 }  // namespace phymul

@@ -10,7 +10,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "load_types.h"
+#include "scene_items.h"
 
 namespace phymul {
 namespace {

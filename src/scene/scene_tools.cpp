@@ -10,8 +10,8 @@
 
 #include "base/decimal.h"
 #include "model/cell_geometry.h"
-#include "needle_measures.h"
 #include "scene_items.h"
+#include "tool_state.h"
 
 namespace phymul {
 namespace {

@@ -11,10 +11,9 @@
 #include <numeric>
 
 #include "base/decimal.h"
-#include "model/enclosed_volume.h"
+#include "model/closed_surface.h"
 #include "model/group.h"
-#include "model/require_indices.h"
-#include "model/surface_facets.h"
+#include "model/outer_faces.h"
 #include "scene_items.h"
 
 namespace phymul {

@@ -7,10 +7,8 @@
 
 #include "base/decimal.h"
 #include "base/files.h"
-#include "cut_bytes.h"
-#include "input_kinds.h"
 #include "scene_bytes.h"
-#include "snapshot_bytes.h"
+#include "wire_codes.h"
 
 namespace phymul {
 namespace {

@@ -7,9 +7,18 @@
 // kept volumes (0, but in older files) and the threads, if anything follows, all volumes, if they or what comes after
 // them changed, the laws of tearing, if they or what comes after changed, and the names of all tools and joints, where
 // new ones come before others. Later changes of threads are inputs of their own.
+//
+// Cuts of a body in files.
+//
+// A snapshot in bytes: count of particles (u64), time, last_dt (f64), steps_at_rest (u32), positions, velocities (f64
+// each), whether there are displacements (u8) and they, the count of tools (u64) and their states, the count of joints
+// with broken springs (u64) and each as name and their rows, the count of parts (u64) and each as name and bytes (u64).
+// Parts of these bytes alone: "motion", growth and max_speed (f64), and "scene", Snapshot::scene, tools and joints.
 #pragma once
 
+#include <phymul/body_cut.h>
 #include <phymul/scene.h>
+#include <phymul/state.h>
 #include <phymul/tool.h>
 
 #include <span>
@@ -101,5 +110,57 @@ void put_sewn(ByteWriter& out, const std::vector<ThreadState>& threads);
 void take_sewn(ByteReader& in, std::vector<ThreadState>& threads);
 void put_thread_states(ByteWriter& out, const std::vector<ThreadState>& threads);
 std::vector<ThreadState> take_thread_states(ByteReader& in);
+
+template <class Bytes, class Part>
+void part_field(Bytes& bytes, Part& part) {
+  for (auto& i : part.particles) bytes.field(i, "a particle of a cut cell");
+  bytes.field(part.share, "a share");
+  bytes.list(part.cuts, 32, "a number of cuts", [&](auto& cut) {
+    for (auto& value : cut) bytes.field(value, "a distance from a cut");
+  });
+}
+
+/// Throws Error for bytes that are not so many cuts. Whether they are of the body, its fingerprint tells.
+template <class Bytes, class Cut>
+void cut_field(Bytes& bytes, Cut& cut) {
+  bytes.list(cut.changed, 68, "a number of changed cells", [&](auto& change) {
+    bytes.field(change.row, "a cell");
+    part_field(bytes, change.before);
+    part_field(bytes, change.after);
+  });
+  bytes.list(cut.added, 36, "a number of added cells", [&](auto& added) {
+    bytes.field(added.of, "a cell");
+    part_field(bytes, added.part);
+  });
+  bytes.list(cut.copies, 9, "a number of copies", [&](auto& copy) {
+    bytes.field(copy.particle, "a copy");
+    bytes.field(copy.of, "a copied particle");
+    bytes.field(copy.shared, "whether a copy lies on the cut");
+  });
+  bytes.list(cut.masses, 20, "a number of masses", [&](auto& mass) {
+    bytes.field(mass.particle, "a particle");
+    bytes.field(mass.before, "a mass");
+    bytes.field(mass.after, "a mass");
+  });
+}
+
+inline void cuts_field(ByteWriter& bytes, const BodyCuts& cuts) {
+  bytes.list(cuts, 32, "", [&](const auto& cut) { cut_field(bytes, *cut); });
+}
+inline void cuts_field(ByteReader& bytes, BodyCuts& cuts) {
+  bytes.list(cuts, 32, "a number of cuts", [&](auto& cut) {
+    BodyCut read;
+    cut_field(bytes, read);
+    cut = std::make_shared<const BodyCut>(std::move(read));
+  });
+}
+
+void put_snapshot(ByteWriter& out, const Snapshot& snapshot, bool with_scene = true);
+
+/// Rows of Model::cells, which must be ascending.
+std::vector<Index> take_removed_cells(ByteReader& in);
+
+/// Throws Error where a number is not finite, too.
+Snapshot take_snapshot(ByteReader& in);
 
 }  // namespace phymul

@@ -11,11 +11,10 @@
 #include <variant>
 
 #include "base/decimal.h"
-#include "input_kinds.h"
 #include "scene_bytes.h"
 #include "simulation_parts.h"
-#include "snapshot_bytes.h"
 #include "solver/solver_input.h"
+#include "wire_codes.h"
 
 namespace phymul {
 namespace {

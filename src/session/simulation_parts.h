@@ -20,7 +20,7 @@
 
 #include "elastic/scaled_tables.h"
 #include "model/outer_faces.h"
-#include "statics/rest_search.h"
+#include "statics/rest_body.h"
 #include "statics/rest_tools.h"
 #include "topology/body_edit.h"
 

@@ -11,14 +11,12 @@
 #include <cstdio>
 
 #include "base/decimal.h"
-#include "elastic/averaged_stiffness.h"
+#include "elastic/scaled_tables.h"
 #include "interaction/tool_shape.h"
 #include "simulation_parts.h"
-#include "statics/idle_motions.h"
-#include "statics/multigrid.h"
+#include "statics/rest_body.h"
 #include "statics/rest_search.h"
 #include "statics/rest_tools.h"
-#include "statics/wall_rest.h"
 
 namespace phymul {
 namespace {

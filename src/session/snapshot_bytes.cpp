@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "snapshot_bytes.h"
+#include "scene_bytes.h"
 
 #include <phymul/state_file.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "base/fnv.h"
-#include "cut_bytes.h"
-#include "scene_bytes.h"
 
 namespace phymul {
 namespace {

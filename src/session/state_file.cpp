@@ -9,7 +9,7 @@
 #include "base/byte_source.h"
 #include "base/checked_file.h"
 #include "base/files.h"
-#include "snapshot_bytes.h"
+#include "scene_bytes.h"
 
 namespace phymul {
 namespace {

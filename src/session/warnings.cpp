@@ -14,14 +14,12 @@
 #include <utility>
 
 #include "base/decimal.h"
-#include "base/place_text.h"
-#include "interaction/closest_point.h"
 #include "interaction/contact_surface.h"
 #include "interaction/moved_tool.h"
 #include "interaction/tool_shape.h"
 #include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
-#include "model/closest_triangle.h"
+#include "model/closed_surface.h"
 #include "model/outer_faces.h"
 #include "scene/loose_parts.h"
 #include "simulation_parts.h"

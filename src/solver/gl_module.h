@@ -11,12 +11,17 @@
 #include <cstddef>
 #include <string>
 
-#include "gl_backend.h"
-
 namespace phymul {
 
+/// How a GL backend's passes run: drawn by fragment shaders, or dispatched as compute shaders.
+enum class GlBackend { fragment, compute };
+
+constexpr const char* name_of(GlBackend backend) {
+  return backend == GlBackend::compute ? "gl-compute" : "gl";
+}
+
 class Display;       // display.h
-struct VisibleSkin;  // view/visible_skin.h
+struct VisibleSkin;  // view/display_lists.h
 
 /// Both sides must have been built from the same headers. Trivial types only: it is read before anything is trusted.
 struct GlModuleStamp {

@@ -11,10 +11,9 @@
 #include <utility>
 
 #include "base/decimal.h"
+#include "elastic/dissipation.h"
 #include "elastic/local_steps.h"
-#include "elastic/material_spectra.h"
 #include "elastic/scaled_tables.h"
-#include "elastic/snapshot_numbers.h"
 #include "half_step.h"
 #include "interaction/joint_set.h"
 #include "interaction/stiff_joints.h"

@@ -11,12 +11,6 @@
 #include <tuple>
 
 #include "elastic/dissipation.h"
-#include "elastic/local_steps.h"
-#include "elastic/material_spectra.h"
-#include "elastic/scaled_tables.h"
-#include "interaction/joint_set.h"
-#include "interaction/stiff_joints.h"
-#include "profile.h"
 
 namespace phymul {
 namespace {

@@ -3,8 +3,6 @@
 // What a solver refuses of its options and of the arguments of a call.
 #pragma once
 
-#include <phymul/solver.h>
-
 namespace phymul {
 
 /// Throws Error.

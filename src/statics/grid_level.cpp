@@ -7,7 +7,7 @@
 #include <functional>
 #include <utility>
 
-#include "base/bounding_box.h"
+#include "base/box_tree.h"
 #include "elastic/energy_density.h"
 #include "elastic/rotation.h"
 

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "base/denormals.h"
+#include "elastic/domain_forces.h"
 #include "elastic/energy_density.h"
-#include "elastic/mean_gradient.h"
 #include "elastic/rotation.h"
 
 namespace phymul {

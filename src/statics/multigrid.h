@@ -12,7 +12,6 @@
 #include "block_matrix.h"
 #include "grid_level.h"
 #include "rest_term.h"
-#include "tangent.h"
 
 namespace phymul {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <optional>
 
-#include "base/bounding_box.h"
-#include "idle_motions.h"
+#include "base/box_tree.h"
+#include "rest_body.h"
 
 namespace phymul {
 namespace {

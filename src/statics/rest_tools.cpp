@@ -2,7 +2,6 @@
 #include "rest_tools.h"
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <numeric>
 

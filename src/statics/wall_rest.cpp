@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "wall_rest.h"
+#include "rest_search.h"
 
 #include <phymul/elasticity.h>
 

@@ -17,7 +17,6 @@
 #include "model/body_type.h"
 #include "model/cell_cutter.h"
 #include "model/cell_geometry.h"
-#include "model/point_cells.h"
 #include "transpose.h"
 
 namespace phymul {

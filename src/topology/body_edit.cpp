@@ -10,9 +10,7 @@
 
 #include "averaged_body.h"
 #include "energies.h"
-#include "model/body_type.h"
 #include "model/cell_geometry.h"
-#include "model/point_cells.h"
 #include "wall_terms.h"
 
 namespace phymul {

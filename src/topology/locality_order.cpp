@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <tuple>
 
-#include "base/bounding_box.h"
+#include "base/box_tree.h"
 
 namespace phymul {
 namespace {

@@ -13,7 +13,7 @@
 #include "averaged_body.h"
 #include "base/decimal.h"
 #include "body_frames.h"
-#include "model/point_cells.h"
+#include "model/cell_geometry.h"
 
 namespace phymul {
 namespace {

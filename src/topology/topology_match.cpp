@@ -10,7 +10,6 @@
 #include "base/fnv.h"
 #include "energies.h"
 #include "model/cell_geometry.h"
-#include "model/point_cells.h"
 
 namespace phymul {
 namespace {

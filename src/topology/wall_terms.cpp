@@ -6,8 +6,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
-#include <map>
-#include <string>
 
 #include "model/cell_geometry.h"
 #include "model/cut_cells.h"

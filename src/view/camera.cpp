@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "base/decimal.h"
-#include "base/place_text.h"
 
 namespace phymul {
 namespace {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// DisplayLists: which particles a body's faces, edges and links join. Constant, whatever the body does.
+// DisplayLists: which particles a body's faces, edges and links join. Constant, whatever the body does. VisibleSkin:
+// what a display shows in place of a body.
 #pragma once
 
 #include <phymul/model.h>
+#include <phymul/skin.h>
 
 #include <array>
 #include <vector>
@@ -25,5 +27,10 @@ struct DisplayLists {
 
 /// Faces: those pressure acts on (surface.h); of a plane body, its triangles and quads.
 DisplayLists display_lists(const Model& model);
+
+struct VisibleSkin {
+  Skin skin;
+  Model surface;  ///< the skin's points at rest as particles, its triangles as cells
+};
 
 }  // namespace phymul

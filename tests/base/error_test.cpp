@@ -2,14 +2,7 @@
 //
 // Codes, files and lines of errors; the text has its tests where it is made.
 #include <gtest/gtest.h>
-#include <phymul/error.h>
-#include <phymul/lml.h>
-#include <phymul/mesh.h>
-#include <phymul/pml.h>
-#include <phymul/recording.h>
-#include <phymul/scene.h>
-#include <phymul/shapes.h>
-#include <phymul/solver.h>
+#include <phymul/phymul.h>
 
 #include <fstream>
 #include <functional>

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: MIT
 //
-// Solids and surfaces to fill, with volumes in closed form where there is one.
+// Solids and surfaces to fill, with volumes in closed form where there is one. Labelled images of shapes in closed
+// form.
 #pragma once
 
-#include <phymul/body.h>
+#include <gtest/gtest.h>
+#include <phymul/labels.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 #include <string>
+#include <type_traits>
 
+#include "model/closed_surface.h"
 #include "support/bodies.h"
 
 namespace phymul::test {
@@ -133,6 +139,80 @@ inline Surface both(Surface a, const Surface& b) {
   a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
   for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({first + i, first + j, first + k});
   return a;
+}
+
+/// No cell inverted, angles bounded, faces that fit to each other.
+inline void expect_sound(const Model& model, const BodyReport& report) {
+  EXPECT_GT(report.smallest_angle, 10.0);
+  EXPECT_LT(report.largest_angle, 165.0);
+  EXPECT_EQ(report.particles, model.particle_count());
+  EXPECT_EQ(report.cells, static_cast<Index>(model.cells.size()));
+  double volume = 0.0;
+  for (const Cell& cell : model.cells) {
+    ASSERT_GT(cell_volume(model, cell), 0.0);
+    volume += cell_volume(model, cell);
+  }
+  EXPECT_NEAR(volume, report.volume, 1e-12 * volume);
+  // A face between two cells that do not fit would leave four triangles there that no other closes.
+  Surface skin{model.rest, surface_triangles(model), {}};
+  const double enclosed = enclosed_volume(skin.triangles, skin.vertices);
+  EXPECT_NEAR(enclosed, volume, 1e-9 * volume);
+  EXPECT_NO_THROW(mend_surface(skin));
+  EXPECT_TRUE(skin.notes.empty()) << skin.notes.front();
+}
+
+struct SoundBody {
+  Model model;
+  BodyReport report;
+};
+
+/// What make_body() makes of a solid, a surface or a labelled image, held to the above.
+template <class Shape,
+          class Options = std::conditional_t<std::is_same_v<Shape, LabelImage>, LabelBodyOptions, BodyOptions>>
+SoundBody sound_body(const Shape& shape, const std::type_identity_t<Options>& options) {
+  SoundBody made;
+  made.model = make_body(shape, options, &made.report);
+  expect_sound(made.model, made.report);
+  return made;
+}
+
+/// A cube of `count` voxels along each side of 0.12 m around the origin; label_at gives that of a place.
+template <class LabelAt>
+LabelImage painted(Index count, const LabelAt& label_at) {
+  const double side = 0.12, voxel = side / count;
+  LabelImage image;
+  image.size = {count, count, count};
+  image.origin = Vec3::Constant(0.5 * (voxel - side));
+  for (int axis = 0; axis < 3; ++axis) image.step[axis] = voxel * Vec3::Unit(axis);
+  for (Index k = 0; k < count; ++k) {
+    for (Index j = 0; j < count; ++j) {
+      for (Index i = 0; i < count; ++i) {
+        image.label.push_back(static_cast<std::uint16_t>(label_at(Vec3(image.origin + voxel * Vec3(i, j, k)))));
+      }
+    }
+  }
+  return image;
+}
+
+/// Of radius 0.05, label 1, with one of `radius`, label 2, in its middle.
+inline LabelImage ball_in_ball(Index count, double radius) {
+  return painted(count, [=](const Vec3& x) { return x.norm() > 0.05 ? 0 : x.norm() > radius ? 1 : 2; });
+}
+
+/// A random solid; each place in it belongs to the nearest of 2 to 6 centres.
+inline LabelImage random_labels(std::uint32_t seed) {
+  const Solid solid = random_solid(seed);
+  std::mt19937 bits(seed);
+  VecList centres(2 + seed % 5);
+  for (Vec3& centre : centres) centre = 0.05 * random_vector(bits, 3);
+  return painted(48, [&](const Vec3& x) {
+    if (solid.distance(x) > 0.0) return 0;
+    int nearest = 0;
+    for (int k = 1; k < static_cast<int>(centres.size()); ++k) {
+      if ((x - centres[k]).norm() < (x - centres[nearest]).norm()) nearest = k;
+    }
+    return nearest + 1;
+  });
 }
 
 }  // namespace phymul::test

@@ -10,8 +10,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "label_images.h"
-#include "sound_body.h"
+#include "body_shapes.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

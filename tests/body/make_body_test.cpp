@@ -10,8 +10,6 @@
 
 #include "body/lattice.h"
 #include "body_shapes.h"
-#include "label_images.h"
-#include "sound_body.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -354,5 +352,4 @@ TEST(LostParts, ShellsThatAreFusedAreNoted) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

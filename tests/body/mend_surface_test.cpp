@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "body_shapes.h"
-#include "model/enclosed_volume.h"
+#include "model/closed_surface.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

@@ -13,7 +13,7 @@ set_tests_properties(wasm.trajectories PROPERTIES PASS_REGULAR_EXPRESSION "\\[  
                                                   FAIL_REGULAR_EXPRESSION "\\[  FAILED  \\]")
 
 # In a browser: the suites of `gl` that need no EGL, no threads and no files.
-set(suites equivalence fragment averaged stiffness dissipation volume tool host_step contact_runs)
+set(suites equivalence fragment dissipation volume tool host_step)
 list(TRANSFORM suites REPLACE "(.+)" "gl/gl_\\1_test.cpp")
 phymul_test_program(phymul_browser_gl_test ${suites} browser/main.cpp)
 target_link_libraries(phymul_browser_gl_test PRIVATE phymul_mirror)

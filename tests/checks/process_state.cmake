@@ -14,7 +14,7 @@ set(constant hexahedron pyramid quad wedge  # topology/cell_quadrature.cpp
 set(changing loaded mutex   # solver/gl_module.cpp, gl/context/gl_functions.cpp: the GL module and GLEW, loaded once
              serial         # base/files.cpp: numbers of temporary files
              one_at_a_time  # io/labels/read_nrrd.cpp: teem's errors are one list
-             current_       # gl/objects/pass_timer.h: of a thread, while it draws
+             current_       # gl/objects/pass.h: of a thread, while it draws
              text)          # bindings/c/errors.cpp: phymul_last_error, of a thread
 
 set(faults "")

@@ -6,7 +6,6 @@
 
 #include <limits>
 
-#include "solver_conformance_fixture.h"
 #include "solver_conformance_progress.h"
 #include "solver_conformance_reports.h"
 #include "support/message_of.h"

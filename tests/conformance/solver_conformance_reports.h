@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "solver_conformance_fixture.h"
+#include "solver_conformance_progress.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

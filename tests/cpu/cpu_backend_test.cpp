@@ -13,7 +13,6 @@
 #include "support/cpu_forces.h"
 #include "support/message_of.h"
 #include "support/sanitized.h"
-#include "support/steps.h"
 
 namespace phymul::test {
 namespace {

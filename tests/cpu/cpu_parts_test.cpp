@@ -8,11 +8,10 @@
 
 #include "base/thread_pool.h"
 #include "cpu/packed/body_sleep.h"
-#include "cpu/packed/cluster_claims.h"
+#include "cpu/packed/force_passes.h"
 #include "cpu/packed/packed_body.h"
-#include "cpu/packed/renumbering.h"
 #include "support/bodies.h"
-#include "support/sleeping_scenes.h"
+#include "support/run_scenes.h"
 #include "topology/locality_order.h"
 #include "topology/neighbourhoods.h"
 
@@ -231,5 +230,4 @@ TEST(SliceRanges, AreSharedOutOnce) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

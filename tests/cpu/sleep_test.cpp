@@ -10,7 +10,7 @@
 
 #include "support/allocation_count.h"
 #include "support/message_of.h"
-#include "support/sleeping_scenes.h"
+#include "support/run_scenes.h"
 
 namespace phymul {
 namespace {

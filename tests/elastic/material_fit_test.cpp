@@ -5,7 +5,6 @@
 #include <array>
 
 #include "elastic/energy_density.h"
-#include "support/bodies.h"
 #include "support/message_of.h"
 #include "topology/energies.h"
 

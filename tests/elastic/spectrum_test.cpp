@@ -2,12 +2,7 @@
 //
 // Extreme eigenvalues against those of the dense matrix, and the step that follows from them.
 #include <gtest/gtest.h>
-#include <phymul/body.h>
-#include <phymul/elasticity.h>
-#include <phymul/error.h>
-#include <phymul/shapes.h>
-#include <phymul/step_limit.h>
-#include <phymul/topology.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <complex>
@@ -231,5 +226,4 @@ TEST(StepLimit, RefusesOtherSizesAndReactionsWithoutVibrations) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

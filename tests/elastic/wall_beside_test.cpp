@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Walls and cells that fill space in one model: beside each other, and as a capsule on a body's surface.
-#include <phymul/elasticity.h>
 #include <phymul/load_frame.h>
-#include <phymul/simulation.h>
+#include <phymul/phymul.h>
 
 #include <gtest/gtest.h>
 
@@ -336,5 +335,4 @@ TEST(WallBranch, TwoTrianglesInOnePlaceAreRefused) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -2,9 +2,7 @@
 //
 // Law::walls: what every energy must hold, its tables and its refusals.
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
-#include <phymul/error.h>
-#include <phymul/pml.h>
+#include <phymul/phymul.h>
 
 #include <sstream>
 

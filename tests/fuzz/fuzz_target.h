@@ -5,8 +5,7 @@
 // time or memory) is a fault of the library.
 #pragma once
 
-#include <phymul/error.h>
-#include <phymul/model.h>
+#include <phymul/phymul.h>
 
 #include <array>
 #include <stdexcept>

@@ -4,8 +4,8 @@
 // whole motions, and what contact is to do.
 #include <cmath>
 
-#include "model/enclosed_volume.h"
-#include "support/gl_touching_bodies.h"
+#include "model/closed_surface.h"
+#include "support/gl_bodies.h"
 
 namespace phymul::test {
 namespace {

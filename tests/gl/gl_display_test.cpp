@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Displays beside a host's context. Display::draw draws into the host's framebuffer, and changes nothing else of it.
-#include <phymul/display.h>
-#include <phymul/shapes.h>
-#include <phymul/surface.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <array>

@@ -5,8 +5,7 @@
 // tests/solver/dissipation_test.cpp and dissipation_runs_test.cpp, on every backend.
 #include "elastic/dissipation.h"
 #include "support/bounded_forces.h"
-#include "support/gl_block.h"
-#include "support/gl_touching_bodies.h"
+#include "support/gl_bodies.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {
@@ -244,5 +243,4 @@ TEST_P(GlStiffness, FactorsReachTheirDomains) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -2,7 +2,6 @@
 //
 // Beside a host that uses GLX, as freeglut and GLFW on X11 do: it needs an X server, so a program of its own.
 #include <gtest/gtest.h>
-#include <phymul/error.h>
 
 #include "gl/context/gl_functions.h"
 #include "support/gl_fixture.h"

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "support/gl_needed.h"
+#include "support/every_backend.h"
 
 namespace {
 

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "support/gl_block.h"
-#include "support/gl_touching_bodies.h"
+#include "support/gl_bodies.h"
 #include "support/needle_insertion.h"
 #include "support/sanitized.h"
 

@@ -3,9 +3,7 @@
 // Joints on the GL backends: against the float mirror bit by bit where the renderer allows (llvmpipe), against the
 // double reference, and what scenes without them pay. Closed forms: tests/interaction/joint_test.cpp and
 // joint_bodies_test.cpp, on every backend.
-#include "support/gl_block.h"
-#include "support/gl_touching_bodies.h"
-#include "support/joined_particles.h"
+#include "support/gl_bodies.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {

@@ -9,7 +9,7 @@
 #include <iterator>
 
 #include "support/bodies.h"
-#include "support/gl_needed.h"
+#include "support/every_backend.h"
 #include "support/message_of.h"
 
 namespace phymul {

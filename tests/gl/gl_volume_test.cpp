@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/enclosed_volume.h"
-#include "support/gl_block.h"
+#include "model/closed_surface.h"
+#include "support/gl_bodies.h"
 #include "support/run_scenes.h"
 
 namespace phymul::test {

@@ -5,9 +5,8 @@
 #include <algorithm>
 
 #include "gl_single_steps.h"
-#include "support/cut_walls.h"
-#include "support/gl_block.h"
-#include "support/gl_touching_bodies.h"
+#include "support/cut_bodies.h"
+#include "support/gl_bodies.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {

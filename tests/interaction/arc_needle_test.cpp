@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
 // Needles that are arcs: through both edges of a wound, let go and taken again, with a thread behind them.
-#include <phymul/recording.h>
-#include <phymul/state_file.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "support/arc_suture.h"
 #include "support/message_of.h"
 #include "support/needle_insertion.h"
 #include "support/run_scenes.h"
+#include "support/sutured_wound.h"
 
 namespace phymul::test {
 namespace {

@@ -10,8 +10,8 @@
 #include <random>
 #include <set>
 
-#include "interaction/closest_point.h"
 #include "interaction/contact_surface.h"
+#include "model/closed_surface.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"

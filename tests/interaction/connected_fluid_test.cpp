@@ -6,7 +6,7 @@
 #include <phymul/phymul.h>
 
 #include "interaction/fluid_exchange.h"
-#include "model/enclosed_volume.h"
+#include "model/closed_surface.h"
 #include "support/run_scenes.h"
 #include "support/text_file.h"
 #include "support/wall_cases.h"

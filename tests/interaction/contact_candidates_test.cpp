@@ -4,8 +4,7 @@
 // every step.
 #include <gtest/gtest.h>
 
-#include <phymul/body.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 
-#include "interaction/contact_tool.h"
 #include "support/run_scenes.h"
 #include "support/tool_backends.h"
 
@@ -270,5 +269,4 @@ TEST(ContactFriction, OfAReleasedContactIsTakenBack) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -5,12 +5,11 @@
 // held.
 #include <gtest/gtest.h>
 #include <phymul/elasticity.h>
-#include <phymul/simulation.h>
 
 #include <numbers>
 
 #include "interaction/fluid_exchange.h"
-#include "model/enclosed_volume.h"
+#include "model/closed_surface.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"

@@ -2,8 +2,7 @@
 //
 // Joints between bodies, to tools and over patches of a surface: momentum, forces, glue.
 #include <gtest/gtest.h>
-#include <phymul/scene.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Dense>
 #include <cmath>
@@ -286,5 +285,4 @@ TEST(JointBounds, BeyondAllNumbersAreInfinite) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

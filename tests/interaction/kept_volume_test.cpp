@@ -3,8 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "model/enclosed_volume.h"
-#include "support/mechanics.h"
+#include "model/closed_surface.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"
 

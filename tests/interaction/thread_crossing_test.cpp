@@ -10,7 +10,6 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <utility>
 
 #include "support/allocation_count.h"
 #include "support/joined_particles.h"

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Files that were altered: what must come of each is known.
-#include <phymul/lml.h>
-#include <phymul/recording.h>
-#include <phymul/shapes.h>
-#include <phymul/simulation.h>
-#include <phymul/state_file.h>
+#include <phymul/phymul.h>
 
 #include <limits>
 #include <sstream>
@@ -14,7 +10,7 @@
 #include "base/checked_file.h"
 #include "io/mesh/mesh_parts.h"
 #include "label_files.h"
-#include "session/snapshot_bytes.h"
+#include "session/scene_bytes.h"
 #include "support/pml_text.h"
 #include "support/text_file.h"
 
@@ -346,5 +342,4 @@ TEST(AlteredStates, FilesAndRecordings) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/lml.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <limits>
 #include <numbers>
 
 #include "model/file_extras.h"
-#include "support/pml_text.h"
 
 namespace phymul {
 namespace {

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // Groups of meshes and their names, files made to take much memory, and options that are refused.
-#include <phymul/mesh.h>
-#include <phymul/model.h>
-#include <phymul/pml.h>
+#include <phymul/phymul.h>
 
 #include <gtest/gtest.h>
-#include <cstring>
 #include <new>
 #include <numeric>
 #include <sstream>
@@ -258,5 +255,4 @@ TEST(MeshKinds, GmshOfVersion1) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Components with a bodyType, as in scenes of SOFA's reader of PML: what they are made of, and what joins them.
-#include <phymul/bodies.h>
-#include <phymul/simulation.h>
+#include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
 #include <algorithm>

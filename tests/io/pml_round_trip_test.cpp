@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/body.h>
-#include <phymul/pml.h>
-#include <phymul/shapes.h>
-#include <phymul/simulation.h>
-#include <phymul/wall.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -319,5 +315,4 @@ TEST(IndexTable, NegativeNumbersNameNothing) {
 }
 
 }  // namespace
-
 }  // namespace phymul

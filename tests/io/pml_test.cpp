@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/check.h>
-#include <phymul/pml.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <clocale>

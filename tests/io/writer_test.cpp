@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <phymul/error.h>
-#include <phymul/mesh.h>
-#include <phymul/shapes.h>
-#include <phymul/writer.h>
+#include <phymul/phymul.h>
 
 #include <cmath>
 #include <cstring>
@@ -14,7 +11,7 @@
 #include <stdexcept>
 
 #include "base/files.h"
-#include "io/vtk/vtu_array.h"
+#include "io/vtk/vtk_parts.h"
 #include "support/message_of.h"
 #include "support/text_file.h"
 

@@ -10,11 +10,9 @@
 #include "device/float_range.h"
 #include "kernels.h"
 #include "mirror_forces.h"
-#include "mirror_joints.h"
-#include "mirror_volumes.h"
+#include "mirror_scene.h"
 #include "scene/tool_state.h"
 #include "solver/step_order.h"
-#include "touch_tools.h"
 
 namespace phymul::cpu {
 namespace {

@@ -2,19 +2,33 @@
 //
 // Elastic forces of a body in float, gathered particle by particle: what the shaders of a GPU do, term by term and in
 // the same order, as plain loops. Order of a particle's sum: its own force (conservative: its base rows), its
-// reactions, volumes, domains, springs, walls. An attractor's: neighbour rows, then bases.
+// reactions, volumes, domains, springs, walls. An attractor's: neighbour rows, then bases. What a row of a table holds,
+// as a shader reads it.
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <span>
 #include <vector>
 
+#include "base/vector3.h"
 #include "device/float_domains.h"
 #include "device/float_tables.h"
+#include "device/table_rows.h"
 #include "kernels.h"
-#include "texels.h"
 
 namespace phymul::cpu {
+
+using Float3 = Vector3<float>;
+
+inline Float3 xyz(const Float4& row) {
+  return {row[0], row[1], row[2]};
+}
+
+inline float as_float(std::int32_t bits) {
+  return std::bit_cast<float>(bits);
+}
 
 /// Materials that dissipate, as glsl/step/dissipation.glsl computes their stresses and the strains that domains keep.
 class MirrorDissipation {

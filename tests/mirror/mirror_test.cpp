@@ -5,13 +5,13 @@
 #include <cmath>
 #include <iostream>
 
-#include "conformance/solver_conformance_fixture.h"
+#include "conformance/solver_conformance_progress.h"
 #include "mirror.h"
 #include "mirror_forces.h"
 #include "support/bodies.h"
 #include "support/bounded_forces.h"
+#include "support/message_of.h"
 #include "support/sanitized.h"
-#include "support/steps.h"
 
 namespace phymul::test {
 namespace {

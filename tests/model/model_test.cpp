@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <phymul/error.h>
-#include <phymul/model.h>
-#include <phymul/shapes.h>
-#include <phymul/state.h>
-#include <phymul/wall.h>
+#include <phymul/phymul.h>
 
 #include <functional>
 #include <limits>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <phymul/body.h>
-#include <phymul/monitor.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Geometry>
 #include <cmath>

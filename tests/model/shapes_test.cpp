@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
-#include <phymul/check.h>
-#include <phymul/pml.h>
-#include <phymul/shapes.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <map>

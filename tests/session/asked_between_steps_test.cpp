@@ -2,17 +2,15 @@
 //
 // What a simulation is asked between two steps, where states are set, read or refused before the next one.
 #include <gtest/gtest.h>
-#include <phymul/backend.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "model/cell_geometry.h"
-#include "support/bodies.h"
+#include "support/cut_bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
-#include "support/stroke.h"
 
 namespace phymul::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <array>
 
 #include "support/allocation_count.h"
+#include "support/cut_bodies.h"
 #include "support/message_of.h"
-#include "support/stroke.h"
 
 namespace phymul {
 namespace {

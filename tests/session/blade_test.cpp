@@ -10,11 +10,10 @@
 #include "body/cut_places.h"
 #include "model/cell_geometry.h"
 #include "support/bodies.h"
+#include "support/cut_bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
-#include "support/removable_body.h"
 #include "support/sanitized.h"
-#include "support/stroke.h"
 #include "topology/body_edit.h"
 
 namespace phymul {

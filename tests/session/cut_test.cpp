@@ -11,9 +11,9 @@
 
 #include "interaction/contact_surface.h"
 #include "support/bodies.h"
+#include "support/cut_bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
-#include "support/removable_body.h"
 
 namespace phymul {
 namespace {

@@ -2,7 +2,6 @@
 //
 // Calls of a simulation that end in an exception, and calls that are refused: what they leave behind.
 #include <gtest/gtest.h>
-#include <phymul/backend.h>
 #include <phymul/recording.h>
 
 #include <stdexcept>

@@ -2,10 +2,7 @@
 //
 // plan(): promises, offers, the same motion from the same plan, and what it refuses.
 #include <gtest/gtest.h>
-#include <phymul/body.h>
-#include <phymul/plan.h>
-#include <phymul/shapes.h>
-#include <phymul/skin.h>
+#include <phymul/phymul.h>
 
 #include <chrono>
 #include <cmath>
@@ -13,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "session/planner/convergence.h"
+#include "session/planner/planner.h"
 #include "support/message_of.h"
 
 namespace phymul::test {
@@ -367,5 +364,4 @@ TEST(PlanConvergence, AFinestFieldThatTheFitDoesNotExplainRaisesTheError) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

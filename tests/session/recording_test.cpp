@@ -3,7 +3,6 @@
 #include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
 
-#include "base/checked_file.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"
 #include "support/text_file.h"

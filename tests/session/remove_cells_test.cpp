@@ -9,10 +9,10 @@
 #include <numeric>
 
 #include "support/bodies.h"
+#include "support/cut_bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
 #include "support/outside_backend.h"
-#include "support/removable_body.h"
 
 namespace phymul {
 namespace {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Simulation::run_to_rest: the damping it chooses, and that it leads where a damping given by the user does.
-#include <phymul/elasticity.h>
-#include <phymul/simulation.h>
+#include <phymul/phymul.h>
 
 #include <gtest/gtest.h>
 #include <cmath>
@@ -11,7 +10,6 @@
 #include "support/bodies.h"
 #include "support/message_of.h"
 #include "support/run_scenes.h"
-#include "support/sanitized.h"
 #include "support/wall_cases.h"
 
 namespace phymul::test {
@@ -301,5 +299,4 @@ TEST(WallRest, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

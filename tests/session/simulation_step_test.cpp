@@ -2,14 +2,13 @@
 //
 // The step that Simulation::advance() takes: as long as the deformation of the present state allows.
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
-#include <phymul/wall.h>
+#include <phymul/phymul.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "support/bodies.h"
-#include "support/cut_walls.h"
+#include "support/cut_bodies.h"
 #include "support/failure_states.h"
 #include "support/message_of.h"
 

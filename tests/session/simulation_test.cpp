@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "support/bodies.h"
-#include "support/message_of.h"
 #include "support/tool_backends.h"
 
 namespace phymul::test {
@@ -274,5 +273,4 @@ TEST_P(VelocityOfStateOn, IsZeroOfWhatContactsAndConstraintsHold) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

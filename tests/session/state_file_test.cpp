@@ -4,7 +4,6 @@
 #include <phymul/topology_textures.h>
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 
 #include "base/checked_file.h"

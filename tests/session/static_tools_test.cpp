@@ -8,9 +8,7 @@
 #include <utility>
 
 #include "support/bodies.h"
-#include "support/failure_states.h"
 #include "support/message_of.h"
-#include "support/steps.h"
 
 namespace phymul::test {
 namespace {

@@ -3,7 +3,6 @@
 // Scene::tear: when and where tissue tears.
 #include <gtest/gtest.h>
 #include <phymul/phymul.h>
-#include <phymul/topology_textures.h>
 
 #include <cmath>
 

@@ -6,11 +6,10 @@
 #include <phymul/phymul.h>
 
 #include <numbers>
-#include <numeric>
 
 #include "interaction/contact_surface.h"
-#include "model/enclosed_volume.h"
-#include "support/cut_walls.h"
+#include "model/closed_surface.h"
+#include "support/cut_bodies.h"
 #include "support/message_of.h"
 
 namespace phymul {

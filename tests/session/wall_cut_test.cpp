@@ -7,12 +7,11 @@
 #include <phymul/topology_textures.h>
 
 #include <memory>
-#include <numbers>
 #include <numeric>
 #include <random>
 
 #include "model/cell_geometry.h"
-#include "support/cut_walls.h"
+#include "support/cut_bodies.h"
 #include "support/message_of.h"
 
 namespace phymul {

@@ -5,9 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <phymul/load_frame.h>
-#include <phymul/scene.h>
-#include <phymul/shapes.h>
-#include <phymul/solver.h>
+#include <phymul/phymul.h>
 
 #include <array>
 #include <atomic>

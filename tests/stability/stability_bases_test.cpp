@@ -9,8 +9,7 @@
 
 #include "stability_fixture.h"
 #include "stability_methods.h"
-#include "support/growth_rate.h"
-#include "support/message_of.h"
+#include "support/mechanics.h"
 #include "support/sanitized.h"
 
 namespace phymul::test {
@@ -202,5 +201,4 @@ TEST(StabilityGrowth, ConservativeBodiesDoNotGrowUndamped) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -217,5 +217,4 @@ TEST_P(StabilityContrasts, RunsStayBoundedAndKeepMomentum) {
 PHYMUL_ON_EVERY_BACKEND(StabilityContrasts);
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -9,8 +9,8 @@
 #include <ostream>
 
 #include "environment.h"
+#include "every_backend.h"
 #include "gl/context/context.h"
-#include "gl_needed.h"
 
 namespace phymul {
 

@@ -4,8 +4,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <phymul/error.h>
-#include <phymul/pml.h>
+#include <phymul/phymul.h>
 
 #include <sstream>
 #include <string>

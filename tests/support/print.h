@@ -4,8 +4,7 @@
 // Long lists are shown by their first rows and a hash of all bits, which says whether they differ.
 #pragma once
 
-#include <phymul/recording.h>
-#include <phymul/solver.h>
+#include <phymul/phymul.h>
 
 #include <algorithm>
 #include <bit>

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "bodies.h"
-#include "interaction/closest_point.h"
 #include "interaction/contact_candidates.h"
+#include "model/closed_surface.h"
 
 namespace phymul::test {
 

@@ -4,9 +4,8 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <phymul/elasticity.h>
+#include <phymul/phymul.h>
 #include <phymul/topology_textures.h>
-#include <phymul/wall.h>
 
 #include <Eigen/Sparse>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <limits>
 #include <memory>
 
-#include "model/point_cells.h"
+#include "model/cell_geometry.h"
 #include "support/failure_states.h"
 #include "support/mechanics.h"
 #include "support/message_of.h"

@@ -7,7 +7,7 @@
 #include "model/file_extras.h"
 #include "support/bodies.h"
 #include "support/message_of.h"
-#include "topology/base_selection.h"
+#include "topology/neighbourhoods.h"
 #include "topology/topology_terms.h"
 
 namespace phymul::test {
@@ -302,5 +302,4 @@ TEST(Textures, OnlyWhatTheReactionNeedsIsFilled) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <phymul/camera.h>
-#include <phymul/display.h>
-#include <phymul/error.h>
+#include <phymul/phymul.h>
 
 #include <gtest/gtest.h>
 #include <limits>
@@ -155,5 +153,4 @@ TEST(DisplayLists, APlaneBodyShowsItsCellsWithOpenEdges) {
 }
 
 }  // namespace
-
 }  // namespace phymul::test

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "support/bodies.h"
-#include "support/gl_needed.h"
+#include "support/every_backend.h"
 #include "support/message_of.h"
 
 namespace phymul::test {

@@ -1,20 +1,45 @@
 // SPDX-License-Identifier: MIT
 //
 // The elastic forces of a body, pass by pass of the kernels, shared out over threads.
+//
+// Who computes which cluster of a body in a step. Each part of the threads has a run of clusters, the same in every
+// step, so that their constants stay in its core's caches. But processors differ: one shares its core with another
+// program, or is of a slower kind. A part that is through with its run takes from the end of another's.
 #pragma once
 
 #include <phymul/elasticity.h>
 
+#include <atomic>
+#include <cstdint>
 #include <vector>
 
 #include "base/thread_pool.h"
 #include "body_sleep.h"
-#include "cluster_claims.h"
-#include "cpu/simd/instruction_set.h"
 #include "packed_body.h"
 #include "simd_profile.h"
 
 namespace phymul::cpu {
+
+class ClusterClaims {
+ public:
+  ClusterClaims(const PackedBody& body, int parts);
+
+  /// Makes all clusters to be had again. To be called while no part takes any.
+  void begin();
+  /// A cluster that `part` is to compute, and no other; -1: none is left for it.
+  int take(int part);
+
+ private:
+  /// Of one part. A line of the caches of its own.
+  struct alignas(64) Run {
+    std::atomic<std::uint64_t> left{
+        0};                 ///< the clusters not taken: the first, and in the upper half the one after the last
+    std::uint64_t all = 0;  ///< the same when a step begins
+  };
+  int take_from_another();
+
+  std::vector<Run> runs_;  // [parts]
+};
 
 /// The elastic forces of a body of attractors, springs, volumes and walls: the kernels of its clusters, shared out over
 /// threads.

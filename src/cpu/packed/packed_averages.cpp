@@ -13,7 +13,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "packed_rows.h"
+#include "device/float_range.h"
 #include "topology/energies.h"
 
 namespace phymul::cpu {

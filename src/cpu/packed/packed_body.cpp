@@ -11,7 +11,6 @@
 
 #include "device/float_range.h"
 #include "packed_rows.h"
-#include "renumbering.h"
 #include "term_packer.h"
 #include "topology/locality_order.h"
 

@@ -2,7 +2,7 @@
 //
 // A body packed for the SIMD kernels: particles renumbered and divided into clusters, terms packed lane by lane
 // (simd/job.h). The division depends on the body and the lanes alone, never on the number of threads, so that sums keep
-// their order.
+// their order. A body with its particles renumbered, for locality (locality_order.h).
 #pragma once
 
 #include <phymul/topology_textures.h>
@@ -16,6 +16,10 @@
 #include "packed_averages.h"
 
 namespace phymul::cpu {
+
+/// The same body with particle order[i] as particle i. Rows of bases follow their owners; springs, volumes and cells
+/// are sorted by their first particle; neighbour rows keep their order within a particle. Padding is dropped.
+TopologyTextures renumbered(const TopologyTextures& topology, const std::vector<Index>& order);
 
 struct Cluster {
   simd::Job job;                   ///< without u and force, which belong to a step

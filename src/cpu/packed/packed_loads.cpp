@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "body_sleep.h"
-#include "packed_state.h"
 
 namespace phymul::cpu {
 

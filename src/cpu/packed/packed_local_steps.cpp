@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "packed_state.h"
+#include "packed_loads.h"
 #include "statics/block_matrix.h"
 
 namespace phymul::cpu {

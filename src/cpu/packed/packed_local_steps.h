@@ -10,7 +10,7 @@
 #include "elastic/substep_loop.h"
 #include "interaction/tool_set.h"
 #include "packed_body.h"
-#include "statics/tangent.h"
+#include "statics/rest_term.h"
 
 namespace phymul::cpu {
 

@@ -6,7 +6,7 @@
 #include "cpu/simd/instruction_set.h"
 #include "elastic/energy_density.h"
 #include "packed_body.h"
-#include "statics/tangent.h"
+#include "statics/rest_term.h"
 #include "topology/energies.h"
 
 namespace phymul {

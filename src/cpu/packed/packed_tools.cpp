@@ -6,9 +6,9 @@
 #include <cstring>
 #include <limits>
 
-#include "base/bounding_box.h"
+#include "base/box_tree.h"
 #include "base/denormals.h"
-#include "packed_state.h"
+#include "packed_loads.h"
 
 namespace phymul::cpu {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renumbering.h"
+#include "packed_body.h"
 
 #include <algorithm>
 

@@ -19,7 +19,6 @@
 #include "packed_dissipation.h"
 #include "packed_loads.h"
 #include "packed_local_steps.h"
-#include "packed_state.h"
 #include "packed_tools.h"
 #include "simd_profile.h"
 #include "solver/step_order.h"

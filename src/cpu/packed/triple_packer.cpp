@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "triple_packer.h"
+#include "term_packer.h"
 
 #include <phymul/error.h>
 

@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "compute_state.h"
-#include "device/float_contacts.h"
-#include "device/float_joints.h"
+#include "device/float_scene.h"
 #include "device/float_tools.h"
-#include "device/float_volumes.h"
+#include "gl/solver/body_kind.h"
 #include "gl/solver/device.h"
-#include "gl/solver/load_table.h"
 
 namespace phymul::gl {
 

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "context_info.h"
-#include "solver/gl_backend.h"
+#include "solver/gl_module.h"
 
 namespace phymul::gl {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "solver/gl_backend.h"
+#include "solver/gl_module.h"
 
 namespace phymul::gl {
 

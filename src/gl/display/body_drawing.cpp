@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/bounding_box.h"
-#include "model/require_indices.h"
+#include "base/box_tree.h"
+#include "model/group.h"
 
 namespace phymul::gl {
 namespace {

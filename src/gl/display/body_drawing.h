@@ -116,4 +116,8 @@ class BodyDrawing {
   Drawing surface_, pair_, contour_, ball_;
 };
 
+/// As phymul::make_display. `solver` null: the positions are given by show(). `skin` null: the body itself is shown.
+std::unique_ptr<Display> make_display(const Model& model, const Solver* solver, std::shared_ptr<const VisibleSkin> skin,
+                                      const GlOptions& options);
+
 }  // namespace phymul::gl

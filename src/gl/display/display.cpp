@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "display.h"
+#include "body_drawing.h"
 
 #include <phymul/error.h>
 
@@ -10,7 +10,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "body_drawing.h"
 #include "gl/context/context.h"
 #include "gl/context/gl_api.h"
 #include "gl/objects/pass.h"

@@ -10,7 +10,6 @@
 
 #include "fragment_passes.h"
 #include "fragment_scene.h"
-#include "gl/objects/pass_timer.h"
 #include "gl/solver/device.h"
 #include "gl/solver/state_copies.h"
 

@@ -8,13 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "device/float_joints.h"
+#include "device/float_scene.h"
 #include "device/float_tools.h"
-#include "device/float_volumes.h"
 #include "fragment_state.h"
 #include "gl/objects/pass.h"
+#include "gl/solver/body_kind.h"
 #include "gl/solver/device.h"
-#include "gl/solver/load_table.h"
 
 namespace phymul::gl {
 

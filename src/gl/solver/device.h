@@ -3,16 +3,14 @@
 // Device: what of a solver lives in its context, whatever the passes are: made, used and deleted inside Context::run.
 #pragma once
 
-#include <phymul/solver.h>
-
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "device/float_tables.h"
 #include "device/float_tools.h"
-#include "gl/objects/pass_timer.h"
-#include "gl/objects/shader_source.h"
+#include "gl/objects/pass.h"
+#include "gl/objects/program.h"
 #include "gl/objects/texture.h"
 
 namespace phymul::gl {

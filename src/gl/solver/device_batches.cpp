@@ -5,10 +5,9 @@
 #include <array>
 #include <chrono>
 
-#include "device/float_joints.h"
 #include "device/float_range.h"
+#include "device/float_scene.h"
 #include "device_solver.h"
-#include "interaction/tool_frame.h"
 #include "solver/step_order.h"
 
 namespace phymul::gl {

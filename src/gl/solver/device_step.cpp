@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "device_step.h"
+#include "device_solver.h"
 
-#include <phymul/shapes.h>
 #include <phymul/surface.h>
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include "base/compiler.h"
 #include "device_solver.h"
 #include "gl/context/context.h"
-#include "gl/display/display.h"
+#include "gl/display/body_drawing.h"
 #include "solver/gl_module.h"
 
 namespace phymul::gl {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "interaction/closest_point.h"
+#include "model/closed_surface.h"
 
 namespace phymul {
 namespace {

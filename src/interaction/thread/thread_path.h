@@ -8,7 +8,6 @@
 #include <phymul/thread.h>
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>

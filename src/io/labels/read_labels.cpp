@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "base/byte_source.h"
+#include "base/decimal.h"
 #include "base/files.h"
-#include "base/place_text.h"
 #include "voxels.h"
 
 namespace phymul {

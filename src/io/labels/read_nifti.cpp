@@ -13,7 +13,6 @@
 
 #include "base/decimal.h"
 #include "base/files.h"
-#include "base/place_text.h"
 
 namespace phymul {
 namespace {

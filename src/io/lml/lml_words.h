@@ -4,7 +4,6 @@
 #pragma once
 
 #include <phymul/model.h>
-#include <phymul/scene.h>
 
 #include <string>
 #include <string_view>

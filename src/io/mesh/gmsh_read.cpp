@@ -2,7 +2,6 @@
 //
 // Gmsh .msh, versions 1, 2.x and 4.1, text and binary. Text and binary hold the same numbers in the same order, so one
 // parser reads both: ByteSource knows which. Format: https://gmsh.info/doc/texinfo/gmsh.html#File-formats
-#include <phymul/error.h>
 
 #include <algorithm>
 #include <array>

@@ -18,7 +18,7 @@
 #include "base/index_table.h"
 #include "io/xml/xml_source.h"
 #include "model/file_extras.h"
-#include "pml_marks.h"
+#include "pml_layout.h"
 
 namespace phymul {
 

@@ -13,7 +13,6 @@
 #include "model/cell_cutter.h"
 #include "model/file_extras.h"
 #include "pml_layout.h"
-#include "pml_marks.h"
 
 namespace phymul {
 namespace {

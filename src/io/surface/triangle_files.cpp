@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "triangle_files.h"
 
-#include <phymul/error.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>

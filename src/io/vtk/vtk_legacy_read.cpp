@@ -2,7 +2,6 @@
 //
 // Legacy VTK files with an unstructured grid, versions 1 to 5.x, ASCII and BINARY (always big-endian).
 // Format: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
-#include <phymul/error.h>
 
 #include <bit>
 #include <limits>
@@ -10,7 +9,7 @@
 #include "base/byte_source.h"
 #include "base/files.h"
 #include "io/mesh/mesh_parts.h"
-#include "vtk_cells.h"
+#include "vtk_parts.h"
 
 namespace phymul {
 namespace {

@@ -16,7 +16,7 @@
 #include "base/decimal.h"
 #include "base/files.h"
 #include "io/xml/xml_writer.h"
-#include "vtk_cells.h"
+#include "vtk_parts.h"
 
 namespace phymul {
 namespace {

@@ -14,8 +14,7 @@
 #include "base/files.h"
 #include "io/mesh/mesh_parts.h"
 #include "io/xml/xml_source.h"
-#include "vtk_cells.h"
-#include "vtu_array.h"
+#include "vtk_parts.h"
 
 namespace phymul {
 namespace {
