@@ -83,6 +83,7 @@ class Recorder {
   const Recording& recording() const { return recording_; }
 
  private:
+  friend class Simulation;  // adds what waits for its cut
   void record(std::string_view kind, std::string bytes);
   void record_scene();
   void keep_scene();

@@ -57,9 +57,10 @@ struct LocalSteps {
   std::vector<bool> chosen;       ///< by row of Model::materials: in `stiff`
   std::vector<Substep> substeps;  ///< two or more; none if no material has them
   double share = 0.0;             ///< of all domains that are in `stiff`
-  double soft_rate = 0.0;   ///< 1/s^2, largest eigenvalue of the others' stiffness over the masses, `fine` included
-  double stiff_rate = 0.0;  ///< 1/s^2, of K / m
-  double margin = 1.0;      ///< >= 1: the whole scheme's dt^2 lambda over that of its parts
+  double soft_rate = 0.0;      ///< 1/s^2, largest eigenvalue of the others' stiffness over the masses, `fine` included
+  double stiff_rate = 0.0;     ///< 1/s^2, of K / m
+  double margin = 1.0;         ///< >= 1: the whole scheme's dt^2 lambda over that of its parts
+  double margin_beside = 1.0;  ///< that where the others' factor is larger than that of `stiff`
 
   /// 1/s^2: a step is stable up to dt^2 times this = 4. `factors`: Scene::stiffness_factors.
   double rate(std::span<const double> factors = {}) const;

@@ -14,6 +14,9 @@ constexpr double room_in_edges = 1.0;
 /// Below it, of the thickness, squared, depth_after() looks at the end alone.
 constexpr double short_way = 0.2499;
 
+/// Of half a box's thickness: what is less deep about its rim is so between its nearest faces.
+constexpr double shallow = 0.1;
+
 /// Whether a straight way stays beyond one face of a box.
 bool passes_beside(const ShapeIn<double>& box, const Vector3<double>& from, const Vector3<double>& to) {
   const auto beyond = [&box](double a, double b, double half) {
@@ -125,9 +128,8 @@ bool SurfacePress::may_touch(const ShapeIn<double>& shape, const Corners& of, do
     const Vec3 reach = packed(shape.size) + Vec3::Constant(shape.margin + room);
     return (low.array() <= reach.array()).all() && (high.array() >= -reach.array()).all();
   }
-  Vec3 middle = Vec3::Zero();
-  for (const std::size_t c : of.rows()) middle += corners_[c].to;
-  middle /= of.count;
+  Vec3 middle(0, 0, 0);
+  for (const std::size_t c : of.rows()) middle += corners_[c].to / of.count;
   double far = 0.0, way = 0.0;  // squared
   for (const std::size_t c : of.rows()) {
     far = std::max(far, (corners_[c].to - middle).squaredNorm());
@@ -157,14 +159,16 @@ std::optional<BoxPlanes> SurfacePress::planes_for(const ShapeIn<double>& box, co
   if (is_short(of, box.thickness)) return planes;
   int axis = 0;
   half.minCoeff(&axis);
-  const double side = corners_[of.row[0]].from[axis] < 0.0 ? -1.0 : 1.0;
+  const auto side_of = [&](std::size_t c) { return corners_[c].from[axis] < 0.0 ? -1.0 : 1.0; };
+  const double side = side_of(of.row[0]);
   Vec3 wide = half;
   wide[axis] = HUGE_VAL;
   if (!is_short(of, wide.minCoeff())) return std::nullopt;
   double past = 0.0;  // m, the middle
-  for (const std::size_t c : of.rows()) {
-    if (!(side * corners_[c].from[axis] > 0.0)) return std::nullopt;
-    past = std::max(past, -side * corners_[c].to[axis]);
+  for (const std::size_t c : of.rows()) past = std::max(past, -side_of(c) * corners_[c].to[axis]);
+  if (std::ranges::any_of(of.rows(), [&](std::size_t c) { return side_of(c) != side; })) {  // about the rim
+    const DepthInBox in = depth_in(planes, places(of, &Corner::to), 1.0);
+    return past > 0.0 || in.square > shallow * half[axis] * in.whole ? std::nullopt : std::optional(planes);
   }
   (side > 0.0 ? planes.low : planes.high)[axis] -= side * 4.0 * past;  // twice would leave both sides equally near
   return planes;
@@ -198,22 +202,11 @@ void SurfacePress::meet(const ShapeIn<double>& shape, const ToolFrame& start, co
   for (const Index row : near_) {
     const Corners of = corners_of(row, start, end, touched);
     if (!may_touch(shape, of, room)) continue;
-    const ContactPoints::Patch& patch = points_.patches[row];
-    const bool is_triangle = of.count == 3 && !patch.of_cut_cell;
-    met_.push_back({of, &patch, is_triangle});
-    if (is_triangle && shape.kind == ShapeKind::box) met_.back().box = planes_for(shape, of);
+    Met& met = met_.emplace_back(Met{.corner = of, .patch = &points_.patches[row]});
+    met.is_triangle = of.count == 3 && !met.patch->of_cut_cell;
+    if (met.is_triangle && shape.kind == ShapeKind::box) met.box = planes_for(shape, of);
   }
   for (const Corner& corner : corners_) corner_of_[corner.row] = -1;
-}
-
-SurfacePress::Crowd SurfacePress::crowd_of(const Corners& of, const ContactPoints::Shares& share, double load) const {
-  Crowd sum;
-  for (std::size_t c = 0; c < of.rows().size(); ++c) {
-    const Corner& corner = corners_[of.row[c]];
-    sum.inverse_mass += share[c] * corner.load / load * corner.inverse_mass;
-    sum.crowd += share[c] * corner.load / load;
-  }
-  return sum;
 }
 
 /// Finds the points that touch, their load on each particle, and what that makes of them.
@@ -246,7 +239,13 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
     corner.inverse_mass = particle.held || particle.fixed == 7 ? 0.0 : particle.inverse_mass;
     corner.fixed = particle.fixed;
   }
-  for (Pressed& point : pressed_) point.crowd = crowd_of(point.corner, point.share, point.load);
+  for (auto& [of, share, from, load, crowd] : pressed_) {
+    for (std::size_t c = 0; c < of.rows().size(); ++c) {
+      const double part = share[c] * corners_[of.row[c]].load / load;
+      crowd.inverse_mass += part * corners_[of.row[c]].inverse_mass;
+      crowd.crowd += part;
+    }
+  }
   for (Below& below : below_) {
     double crowd = 0.0;  // as of a point
     for (int c = 0; c < 3; ++c) {
@@ -262,10 +261,7 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
 
 /// Keeps a triangle that is in the box.
 void SurfacePress::look_below(const BoxPlanes& box, const Corners& of, double area, bool comes_out) {
-  const auto at = [&](Vec3 Corner::*place) {
-    return std::array{corners_[of.row[0]].*place, corners_[of.row[1]].*place, corners_[of.row[2]].*place};
-  };
-  const DepthInBox in = depth_in(box, at(&Corner::to), area);
+  const DepthInBox in = depth_in(box, places(of, &Corner::to), area);
   if (!(in.square > 0.0)) return;
   Below& made = below_.emplace_back(Below{.corner = of, .in = in, .out = in.square});
   for (int c = 0; c < 3; ++c) {
@@ -273,7 +269,8 @@ void SurfacePress::look_below(const BoxPlanes& box, const Corners& of, double ar
     made.out += in.push.col(c).dot(corner.to);
     corner.load += in.load[c];
   }
-  if (comes_out) made.before = std::min(1.0, std::sqrt(depth_in(box, at(&Corner::from), area).square / in.square));
+  if (comes_out)
+    made.before = std::min(1.0, std::sqrt(depth_in(box, places(of, &Corner::from), area).square / in.square));
 }
 
 /// Particles take nothing before hand_over(). m, how deep the point was; 0: there is nothing for them.

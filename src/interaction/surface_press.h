@@ -137,6 +137,9 @@ class SurfacePress {
   void find_near(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
                  const TouchedParticles& touched);
   bool is_short(const Corners& of, double thickness) const;
+  std::array<Vec3, 3> places(const Corners& of, Vec3 Corner::*place) const {  // of a triangle
+    return {corners_[of.row[0]].*place, corners_[of.row[1]].*place, corners_[of.row[2]].*place};
+  }
   /// Of a box, as the triangle meets them in this step; empty: it may go through the box.
   std::optional<BoxPlanes> planes_for(const ShapeIn<double>& box, const Corners& of) const;
   bool is_before_one_face(const BoxPlanes& box, const Corners& of) const;
@@ -145,7 +148,6 @@ class SurfacePress {
   void meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
             const TouchedParticles& touched);
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
-  Crowd crowd_of(const Corners& of, const ContactPoints::Shares& share, double load) const;
   void find_points(const ShapeIn<double>& shape, const ContactLaw<double>& law, TouchedParticles& touched);
   double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
   void look_below(const BoxPlanes& box, const Corners& of, double area, bool comes_out);

@@ -354,13 +354,13 @@ void make_cut(const BodyCut& cut, Model& model) {
   }
 }
 
-void undo_cut(const BodyCut& cut, Model& model) {
+void undo_cut(const BodyCut& cut, Model& model, std::size_t cells) {
   for (const BodyCut::Change& change : cut.changed) set(change.before, model.cells[change.row]);
   for (const BodyCut::Copy& copy : cut.copies) model.stiffness[copy.particle] = 0.0;
-  model.cells.resize(model.cells.size() - cut.added.size());
-  const auto cells = static_cast<Index>(model.cells.size());
+  model.cells.resize(cells);
   for (Component& component : model.components) {
-    while (!component.cell_refs.empty() && component.cell_refs.back() >= cells) component.cell_refs.pop_back();
+    while (!component.cell_refs.empty() && component.cell_refs.back() >= static_cast<Index>(cells))
+      component.cell_refs.pop_back();
     while (!component.particles.empty() &&
            std::ranges::find(cut.copies, component.particles.back(), &BodyCut::Copy::particle) != cut.copies.end()) {
       component.particles.pop_back();

@@ -52,8 +52,9 @@ std::vector<Index> spare_particles_of(const Model& model);
 BodyCut cut_cells(const CutBody& body, const CutCells& cut);
 
 /// Makes a cut of the model, or undoes the last one that was made. Copies get or lose place, stiffness and groups, but
-/// masses are left alone.
+/// masses are left alone. `cells`: how many there were before; what was made in part can be undone, too, and undone
+/// again.
 void make_cut(const BodyCut& cut, Model& model);
-void undo_cut(const BodyCut& cut, Model& model);
+void undo_cut(const BodyCut& cut, Model& model, std::size_t cells);
 
 }  // namespace phymul

@@ -5,6 +5,7 @@
 #include <phymul/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
@@ -99,7 +100,7 @@ class EdgeNow {
   }
 
   /// Adds those of `cells` that it has passed, with their cuts, first the ones farthest behind. How many cannot part:
-  /// cut too often, or neither tetrahedra nor of walls.
+  /// cut too often, or neither tetrahedra nor of walls, or beside such a cell.
   int add_passed(const std::vector<Index>& cells, std::vector<Snapshot::CutLater>& to) const {
     int refused = 0;
     std::vector<std::pair<double, Snapshot::CutLater>> passed_cells;
@@ -113,6 +114,10 @@ class EdgeNow {
       std::ranges::transform(particles, cut.begin(), [&](Index i) { return distance(i); });
       const auto middle = middle_of_section(cut, particles.size());
       if (!middle || !passed(row, *middle)) continue;
+      if (std::ranges::any_of(particles, [&](Index i) { return is_beside_others(i); })) {
+        ++refused;
+        continue;
+      }
       const std::vector<CellCut>& before = model_.cells[row].cuts;
       if (!before.empty() && divides(cut)) {
         std::vector<CellCut> all = before;
@@ -138,6 +143,13 @@ class EdgeNow {
     const std::vector<Index>& particles = model_.cells[row].particles;
     for (std::size_t v = 0; v < particles.size(); ++v) q += weights[static_cast<Eigen::Index>(v)] * place(particles[v]);
     return q;
+  }
+
+  /// Whether cells there are neither tetrahedra nor of walls. A particle is copied for all cells around it.
+  bool is_beside_others(Index i) const {
+    return std::ranges::any_of(edit_.cells_of()[i], [&](Index row) {
+      return model_.cells[row].share > 0.0 && model_.cells[row].particles.size() > std::tuple_size_v<CellCut>;
+    });
   }
 
   /// Calls visit(CellCut) for the cuts that a cell has, and those that it waits for.

@@ -178,7 +178,7 @@ void Replay::perform(const Input& input) {
     change_thread(input);
   } else if (input.kind == input_kind::checkpoint) {
     follow_checkpoint(input);
-  } else if (on_note) {
+  } else if (on_note && input.kind != input_kind::later) {
     on_note(input);
   }
 }

@@ -240,6 +240,15 @@ void Simulation::record() {
 
 const Recording& Simulation::recording() const {
   if (!parts_->recorder) throw Error("Simulation::recording: expected a call of record() before");
+  const std::vector<Input>& inputs = parts_->recorder->recording().inputs;
+  const bool is_known = !inputs.empty() && inputs.back().kind == input_kind::later;
+  if (!parts_->waiting.empty() && !is_known) {  // which a replay cannot find out: it makes the recorded cuts
+    Snapshot left;
+    left.start.cut_later = parts_->waiting;
+    ByteWriter out;
+    put_snapshot(out, left);
+    parts_->recorder->record(input_kind::later, out.bytes());
+  }
   return parts_->recorder->recording();
 }
 
@@ -252,13 +261,20 @@ void Simulation::replay(Recording recording) {
     parts_->set_body(start.removed_cells, start.cuts);
   }                                                    // else Replay says so
   std::optional<Input> given;                          // the last state that was given, of the body as it ends
+  std::vector<Snapshot::CutLater> later;               // cells that wait at the end
   std::vector<std::pair<bool, std::uint64_t>> inputs;  // whether tools have done what they were asked, and how often
   for (const Input& input : recording.inputs) {
     const bool steps = input.kind == input_kind::step || input.kind == input_kind::restore ||
                        input.kind == input_kind::to_rest || input.kind == input_kind::to_rest_damped;
     inputs.emplace_back(steps, input.times);
     if (input.kind == input_kind::restore) given = input;
-    if (input.kind == input_kind::cut || input.kind == input_kind::removed) given.reset();
+    const bool edits = input.kind == input_kind::cut || input.kind == input_kind::removed;
+    if (edits) given.reset();
+    if (edits || steps) later.clear();
+    if (input.kind == input_kind::later) {
+      ByteReader in("cells to cut", input.bytes);
+      later = take_snapshot(in).start.cut_later;
+    }
   }
   std::optional<Replay> made;
   const std::uint64_t version = scene().version();
@@ -295,6 +311,7 @@ void Simulation::replay(Recording recording) {
     ByteReader in("state", given->bytes);
     now.start = take_snapshot(in).start;
   }
+  if (!later.empty()) now.start.cut_later = later;
   parts_->begin_again(now);
 }
 

@@ -76,9 +76,10 @@ inline constexpr std::string_view checkpoint = "chck";  ///< fingerprint of the 
 inline constexpr std::string_view removed = "cell";     ///< rows of the cells that are removed from then on (i32 each)
 inline constexpr std::string_view cut = "cuts";         ///< how many cuts stay (u64), those after them (scene_bytes.h)
 inline constexpr std::string_view thread = "thrd";      ///< a thread's name, ThreadChange (u8), what changed
+inline constexpr std::string_view later = "late";  ///< a snapshot with Snapshot::Start::cut_later alone, at the end
 
-inline constexpr std::array all{step,  to_rest,    to_rest_damped, restore, scene, pose,
-                                grasp, checkpoint, removed,        cut,     thread};
+inline constexpr std::array all{step,  to_rest,    to_rest_damped, restore, scene,  pose,
+                                grasp, checkpoint, removed,        cut,     thread, later};
 
 enum class ThreadChange : std::uint8_t { control, adds, removes };
 

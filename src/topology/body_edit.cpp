@@ -104,7 +104,7 @@ void BodyEdit::take_cell(Index row) {
     for (const Index i : model_.cells[row].particles) insert(walls_of_[i]);
   }
   if (!has_material(model_, model_.cells[row])) return;
-  if (at_start_[row] != 0) ++cell_count_;
+  if (at_start_[row] != 0 && !is_listed(row)) ++cell_count_;
   Cell whole = model_.cells[row];
   whole.share = whole_share_[row];
   mass_of_corner_[row] = model_.materials[whole.material].density * tissue_volume(model_, whole) /
@@ -113,14 +113,6 @@ void BodyEdit::take_cell(Index row) {
     insert(cells_of_[i]);
     if (is_of_wall(model_, whole)) insert(walls_of_[i]);
   }
-}
-
-void BodyEdit::lift_cell(Index row) {
-  for (const Index i : model_.cells[row].particles) {
-    std::erase(cells_of_[i], row);
-    std::erase(walls_of_[i], row);
-  }
-  if (has_material(model_, model_.cells[row]) && at_start_[row] != 0) --cell_count_;
 }
 
 void BodyEdit::weigh_lumped(Index i) {
@@ -353,8 +345,8 @@ void BodyEdit::turn_fibres(Index d) {
   const EnergyConstants own =
       energy_constants(topology_.options.strain_energy, model_.materials[domain.material], Vec3(sum.normalized()));
   if (own == topology_.energy_of(d)) return;
-  topology_.domains[d].energy = static_cast<Index>(topology_.energies.size());
   topology_.energies.push_back(own);
+  topology_.domains[d].energy = static_cast<Index>(topology_.energies.size()) - 1;
 }
 
 void BodyEdit::weigh(Index i) {

@@ -34,7 +34,8 @@ class BodyEdit {
   /// it needs more copies than the body has spare particles.
   BodyCut find_cut(const CutCells& cut) const;
   /// Makes a cut, or undoes the last one of TopologyTextures::cuts. No cell that it changes may be removed. make()
-  /// throws Error, and changes nothing, for a cut that is not of the body as it is now.
+  /// throws Error, and changes nothing, for a cut that is not of the body as it is now. Where memory runs out, the body
+  /// is without the cut, unless memory runs out again while that is made so.
   void make(std::shared_ptr<const BodyCut> cut);
   void undo();
 
@@ -57,6 +58,9 @@ class BodyEdit {
   void require_fits(const BodyCut& cut) const;
   void take_cell(Index row);
   void lift_cell(Index row);
+  bool is_listed(Index row) const;  // by its particles, as tissue
+  void make_parts(const BodyCut& cut);
+  void take_back(const std::shared_ptr<const BodyCut>& cut, std::size_t rows);
   void weigh_lumped(Index particle);
   void follow_cut(const BodyCut& cut);
   void follow(std::vector<Index> domains, std::vector<Index> particles);

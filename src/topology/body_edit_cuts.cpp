@@ -127,23 +127,48 @@ void BodyEdit::require_fits(const BodyCut& cut) const {
   }
 }
 
+void BodyEdit::lift_cell(Index row) {
+  if (is_listed(row) && at_start_[row] != 0) --cell_count_;
+  for (const Index i : model_.cells[row].particles) {
+    std::erase(cells_of_[i], row);
+    std::erase(walls_of_[i], row);
+  }
+}
+
+bool BodyEdit::is_listed(Index row) const {
+  const std::vector<Index>& particles = model_.cells[row].particles;
+  return !particles.empty() && std::ranges::binary_search(cells_of_[particles.front()], row);
+}
+
 void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
   require_fits(*cut);
-  for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
-  make_cut(*cut, model_);
-  for (const BodyCut::Change& change : cut->changed) {
+  const std::size_t rows = model_.cells.size();
+  try {
+    make_parts(*cut);
+    topology_.cuts.push_back(cut);
+    follow_cut(*cut);
+  } catch (...) {
+    take_back(cut, rows);
+    throw;
+  }
+}
+
+void BodyEdit::make_parts(const BodyCut& cut) {
+  for (const BodyCut::Change& change : cut.changed) lift_cell(change.row);
+  make_cut(cut, model_);
+  for (const BodyCut::Change& change : cut.changed) {
     whole_share_[change.row] = change.after.share;
     take_cell(change.row);
   }
   auto row = static_cast<Index>(whole_share_.size());
-  for (const BodyCut::Added& added : cut->added) {
+  for (const BodyCut::Added& added : cut.added) {
     whole_share_.push_back(added.part.share);
     mass_of_corner_.push_back(0.0);
     at_start_.push_back(at_start_[added.of]);
     walls_at_.emplace_back();
     take_cell(row++);
   }
-  for (const BodyCut::Copy& copy : cut->copies) {
+  for (const BodyCut::Copy& copy : cut.copies) {
     spare_.pop_back();
     topology_.rest[copy.particle] = model_.rest[copy.particle];
     topology_.stiffness[copy.particle] = model_.stiffness[copy.particle];
@@ -161,19 +186,27 @@ void BodyEdit::make(std::shared_ptr<const BodyCut> cut) {
       modulus_[own] = modulus_[d];
     }
   }
-  for (const BodyCut::Mass& mass : cut->masses) mass_[mass.particle] = mass.after;
-  topology_.cuts.push_back(cut);
-  follow_cut(*cut);
+  for (const BodyCut::Mass& mass : cut.masses) mass_[mass.particle] = mass.after;
 }
 
 void BodyEdit::undo() {
   const std::shared_ptr<const BodyCut> cut = topology_.cuts.back();
-  for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
   const std::size_t rows = model_.cells.size() - cut->added.size();
+  try {
+    take_back(cut, rows);
+  } catch (...) {
+    take_back(cut, rows);
+    throw;
+  }
+}
+
+/// Undoes the last cut, also where it was made or undone in part. `rows`: of cells before it.
+void BodyEdit::take_back(const std::shared_ptr<const BodyCut>& cut, std::size_t rows) {
+  if (!topology_.cuts.empty() && topology_.cuts.back() == cut) topology_.cuts.pop_back();
+  for (const BodyCut::Change& change : cut->changed) lift_cell(change.row);
   for (std::size_t row = rows; row < model_.cells.size(); ++row) lift_cell(static_cast<Index>(row));
-  undo_cut(*cut, model_);
-  for (std::size_t row = walls_at_.size(); row-- > rows;) free_walls(walls_at_[row]);
-  walls_at_.resize(rows);
+  undo_cut(*cut, model_, rows);
+  for (; walls_at_.size() > rows; walls_at_.pop_back()) free_walls(walls_at_.back());
   whole_share_.resize(rows);
   mass_of_corner_.resize(rows);
   at_start_.resize(rows);
@@ -182,17 +215,19 @@ void BodyEdit::undo() {
     take_cell(change.row);
   }
   for (auto copy = cut->copies.rbegin(); copy != cut->copies.rend(); ++copy) {
-    spare_.push_back(copy->particle);
+    const bool is_spare = !spare_.empty() && spare_.back() <= copy->particle;  // they descend
     const auto family = copies_.find(first_of_[copy->particle]);
-    for (const Index i : family->second) topology_.exchanged.push_back({i, family->first, topology_.mass[i]});
-    std::erase(family->second, copy->particle);
-    if (family->second.size() == 1) copies_.erase(family);
+    if (family != copies_.end()) {
+      for (const Index i : family->second) topology_.exchanged.push_back({i, family->first, topology_.mass[i]});
+      std::erase(family->second, copy->particle);
+      if (family->second.size() <= 1) copies_.erase(family);
+    }
+    if (!is_spare) spare_.push_back(copy->particle);
     first_of_[copy->particle] = copy->particle;
     topology_.rest[copy->particle] = model_.rest[copy->particle] = spare_places_[copy->particle];
     topology_.stiffness[copy->particle] = model_.stiffness[copy->particle];
   }
   for (const BodyCut::Mass& mass : cut->masses) mass_[mass.particle] = mass.before;
-  topology_.cuts.pop_back();
   follow_cut(*cut);
 }
 
@@ -290,13 +325,15 @@ void BodyEdit::write_wall(Index row) {
   std::vector<WallTexel> now;
   if (is_wall(model_, model_.cells[row])) now = wall_terms_of(model_, row, walls_of_);
   std::vector<Index>& terms = walls_at_[row];
+  terms.reserve(now.size());  // so that no row gets lost where memory runs out
   while (terms.size() < now.size()) {
     if (free_walls_.empty()) {
-      free_walls_.push_back(static_cast<Index>(topology_.walls.size()));
       topology_.walls.emplace_back();
+      terms.push_back(static_cast<Index>(topology_.walls.size()) - 1);
+    } else {
+      terms.push_back(free_walls_.back());
+      free_walls_.pop_back();
     }
-    terms.push_back(free_walls_.back());
-    free_walls_.pop_back();
   }
   for (std::size_t k = 0; k < terms.size(); ++k) {
     WallTexel& wall = topology_.walls[terms[k]];
@@ -305,6 +342,7 @@ void BodyEdit::write_wall(Index row) {
 }
 
 void BodyEdit::free_walls(std::span<const Index> terms) {
+  free_walls_.reserve(free_walls_.size() + terms.size());
   for (std::size_t k = terms.size(); k-- > 0;) {
     topology_.walls[terms[k]] = without_energy(topology_.walls[terms[k]]);
     free_walls_.push_back(terms[k]);

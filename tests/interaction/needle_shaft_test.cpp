@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "interaction/needle_shaft.h"
 #include "support/allocation_count.h"
 #include "support/message_of.h"
 #include "support/needle_insertion.h"
@@ -40,6 +41,20 @@ TEST(NeedleBeam, IsTheCantileverOfBeamTheory) {
   EXPECT_NEAR(tube_bending_stiffness(0.635e-3, 0.42e-3), 0.0207, 1e-4);
   EXPECT_TRUE(refuses([] { tube_bending_stiffness(1e-3, 1e-3); }, "outer radius above an inner one"));
   EXPECT_TRUE(refuses([&] { shaft_points(needle, {}, 1); }, "2 places or more, got 1"));
+}
+
+/// Of a shaft that forces bend, near its tip.
+TEST(NeedleBeam, ALineFromATipIsStraight) {
+  const Vec3 tip(0.01, 0.02, 0.03), axis = Vec3(1, 2, 2) / 3.0, across = Vec3(2, 1, -2) / 3.0;
+  const ShaftLine line(tip, axis);
+  for (const double along : {-0.05, 0.0, 0.05}) {
+    const Vec3 place = tip + along * axis, off = 0.01 * across;
+    EXPECT_LT((line.place(along) - place).norm(), 1e-15);
+    EXPECT_NEAR(line.along(place + off), along, 1e-15);
+    EXPECT_LT((line.aside(place + off) - off).norm(), 1e-15);
+    EXPECT_EQ(line.axis(along), axis);
+  }
+  EXPECT_EQ(line.round(), HUGE_VAL);
 }
 
 /// m: how far the skin's point of the hole is from where the shaft is said to be there, across the needle.

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "model/cell_geometry.h"
 #include "support/cut_bodies.h"
 #include "support/every_backend.h"
 #include "support/message_of.h"
@@ -239,6 +241,84 @@ TEST(AskedBetweenSteps, WhatABudgetLeavesStays) {
     EXPECT_EQ(stroke.sim.advance(0.0).cut_later, later) << at_rest;
     EXPECT_EQ(stroke.sim.step(1, 0.3 * stroke.sim.step_limit()).cut_later, later - 2) << at_rest;
   }
+}
+
+/// Cell 40 is parted by two other cuts while it waits: in two parts, then four.
+TEST(AskedBetweenSteps, WhatWaitsForItsCutDoesSoInAllItsParts) {
+  Simulation sim(with_spare_particles(make_tetrahedral_block({0.04, 0.02, 0.02}, 4, 2, 2, 0.2, 3), 200),
+                 {.material = asked_tissue, .backend = "reference", .tick_budget = 1});
+  Snapshot start = sim.snapshot();
+  start.start.cut_later = {{.cell = 0, .cut = {1.0, 1.0, 1.0, 1.0}}, {.cell = 40, .cut = {-1e-3, 1e-3, 1e-3, 1e-3}}};
+  sim.restore(start);
+  const Vec3 centre = cell_centre(sim.model().cells[40], sim.model().rest);
+  for (const Vec3& normal : {Vec3(1, 0, 0), Vec3(0, 1, 0)}) {
+    std::vector<Snapshot::CutLater> wanted = sim.snapshot().start.cut_later;
+    const auto row = static_cast<Index>(sim.model().cells.size());
+    ASSERT_TRUE(sim.cut(cut_plane(centre, normal)));
+    const std::vector<BodyCut::Added>& added = sim.cuts().back()->added;
+    const std::vector<Snapshot::CutLater> before = wanted;
+    for (std::size_t k = 0; k < added.size(); ++k) {
+      const auto of = std::ranges::find(before, added[k].of, &Snapshot::CutLater::cell);
+      if (of != before.end()) wanted.push_back({row + static_cast<Index>(k), of->cut});
+    }
+    EXPECT_EQ(wanted.size(), 2 * before.size() - 1);
+    EXPECT_EQ(sim.snapshot().start.cut_later, wanted);
+  }
+}
+
+/// After steps, and where a state was given after the last of them; also a recording that was looked at before.
+TEST(AskedBetweenSteps, WhatABudgetLeavesIsAtTheEndOfAReplay) {
+  for (const bool given : {false, true}) {
+    Stroke stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2), again("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2);
+    stroke.sim.record();
+    for (int tick = 0; tick < 12; ++tick) {
+      stroke.go_on(1e-3);
+      if (tick > 5) stroke.sim.recording();
+    }
+    if (given) stroke.sim.restore(stroke.sim.snapshot());
+    again.sim.replay(stroke.sim.recording());
+    ASSERT_GT(again.sim.snapshot().start.cut_later.size(), 5u) << given;
+    EXPECT_EQ(again.sim.snapshot(), stroke.sim.snapshot()) << given;
+    for (Stroke* const of : {&stroke, &again}) {
+      for (int tick = 0; tick < 30; ++tick) ASSERT_TRUE(of->sim.advance(1e-3).ok());
+    }
+    EXPECT_EQ(again.sim.snapshot(), stroke.sim.snapshot()) << given;
+    Simulation third = std::move(Stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2).sim);
+    third.replay(stroke.sim.recording());
+    EXPECT_EQ(third.snapshot(), stroke.sim.snapshot()) << "none that waited before";
+  }
+}
+
+/// Of tetrahedra but for hexahedra from x = 30 to 35 mm, which do not part, nor does what touches them. The blade goes
+/// through all of it, and what waits behind them in line gets its cut.
+TEST(AskedBetweenSteps, WhatCannotPartKeepsNobodyWaiting) {
+  Model model = make_block({0.06, 0.04, 0.02}, 12, 8, 4);
+  for (std::size_t row = model.cells.size(); row-- > 0;) {
+    const Cell whole = model.cells[row];
+    if (std::abs(cell_centre(whole, model.rest).x() - 0.0325) < 1e-3) continue;
+    constexpr std::array<std::array<int, 2>, 6> around{{{1, 2}, {2, 3}, {3, 7}, {7, 4}, {4, 5}, {5, 1}}};
+    for (const auto& [a, b] : around) {
+      Cell& part = a == 1 ? model.cells[row] : model.cells.emplace_back(whole);
+      part.type = CellType::tetrahedron;
+      part.particles = {whole.particles[0], whole.particles[a], whole.particles[b], whole.particles[6]};
+    }
+  }
+  std::array<Index, 2> cut{};
+  for (const std::size_t bounded : {0, 1}) {
+    Simulation sim(with_spare_particles(model, 900),
+                   {.material = asked_tissue, .backend = "cpu", .tick_budget = bounded != 0 ? 4 : 0});
+    ToolPose pose = Stroke::first(-0.005);
+    const ToolHandle blade = sim.scene().add_tool("scalpel", {.shape = Blade{.width = 0.03}, .pose = pose});
+    for (int tick = 0; tick < 150; ++tick) {
+      if (tick < 19) pose.position.x() -= 4e-3;
+      blade.move_to(pose);
+      ASSERT_TRUE(sim.advance(1e-4).ok());
+    }
+    cut[bounded] =
+        static_cast<Index>(std::ranges::count_if(sim.model().cells, [](const Cell& c) { return !c.cuts.empty(); }));
+  }
+  EXPECT_GT(cut[0], 200);
+  EXPECT_NEAR(cut[1], cut[0], 0.02 * cut[0]);
 }
 
 /// Of two cells the first does not part any more.

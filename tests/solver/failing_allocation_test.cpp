@@ -264,5 +264,44 @@ TEST(FailingAllocation, WhileCellsAreRemoved) {
   }
 }
 
+/// A cut that fails leaves the body whole, and one whose undoing fails leaves it cut: in the model and in the solver.
+TEST(FailingAllocation, WhileABodyIsCut) {
+  const Model whole =
+      with_spare_particles(test::with_material(make_tetrahedral_block({0.02, 0.02, 0.02}, 2, 2, 2, 0.2, 3)), 100);
+  const auto cut = [](Simulation& sim) { return sim.cut(cut_plane({0.0101, 0.01, 0.01}, {1, 0.1, 0.2})); };
+  for (const bool undone : {false, true}) {
+    for (const char* backend : {"reference", "cpu"}) {
+      SCOPED_TRACE(backend);
+      Snapshot start;
+      const auto made = [&] {
+        Simulation sim(whole, {.backend = backend});
+        sim.scene().fix("x0").gravity({0, 0, -9.81});
+        EXPECT_TRUE(sim.step(5, 0.2 * sim.solver().stable_step()).ok());
+        start = sim.snapshot();
+        if (undone) {
+          EXPECT_TRUE(cut(sim) && sim.step(5, 0.2 * sim.solver().stable_step()).ok());
+        }
+        return sim;
+      };
+      Simulation wanted = made();
+      const Model model = wanted.model();
+      const double dt = 0.2 * wanted.solver().stable_step();
+      ASSERT_TRUE(wanted.step(5, dt).ok());
+      int failures = 0;
+      for (int k = 1;; k += undone ? 17 : 71) {
+        Simulation sim = made();
+        const auto [has_failed, came_out] = attempt([&] { undone ? sim.restore(start) : (void)cut(sim); }, k);
+        if (!has_failed) break;
+        if (!came_out) continue;  // it needed no memory there
+        ++failures;
+        ASSERT_TRUE(sim.model() == model) << k;
+        ASSERT_TRUE(sim.step(5, dt).ok()) << k;
+        ASSERT_LT(test::largest_distance(sim.solver().read().position, wanted.solver().read().position), 1e-12) << k;
+      }
+      EXPECT_GT(failures, undone ? 5 : 20);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace phymul

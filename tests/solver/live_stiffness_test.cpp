@@ -6,6 +6,8 @@
 
 #include <iostream>
 
+#include "elastic/local_steps.h"
+#include "elastic/scaled_tables.h"
 #include "support/allocation_count.h"
 #include "support/bodies.h"
 #include "support/every_backend.h"
@@ -199,6 +201,29 @@ TEST(LiveStiffnessOfABody, OfManyMaterialsIsBoundedClosely) {
     EXPECT_LT(share, 1.0 + 1e-4) << k;
     EXPECT_GT(share, 0.9) << k;
   }
+}
+
+/// Of a material beside one 60 times as stiff at every vertex. Where the first gets stiffer, steps are shorter, in
+/// which substeps hide less of the second.
+TEST(LiveStiffnessOfABody, BoundsItsStepWithSubstepsToo) {
+  Model model = with_material(make_tetrahedral_block({0.1, 0.1, 0.1}, 6, 6, 6, 0.2, 7), {5e3, 0.45, 1000.0});
+  set_material(model, {300e3, 0.45, 1000.0}, [](const Vec3& at) {
+    const Vec3 cell = 60.0 * at;
+    return (static_cast<int>(cell.x()) + static_cast<int>(cell.y()) + static_cast<int>(cell.z())) % 2 == 0;
+  });
+  const TopologyTextures t = build_topology(model);
+  const auto steps = choose_local_steps(t, estimate_spectrum(t, t.rest), 32);
+  ASSERT_TRUE(steps && !steps->substeps.empty());
+  constexpr double less = 1.0 / 9.0;
+  std::vector<double> factors;
+  for (const bool is_stiff : steps->chosen) factors.push_back(is_stiff ? less : 1.0);
+  ScaledTables scaled;
+  LocalSteps weaker = *steps;
+  weaker.stiff = part_of(scaled.of(t, factors), steps->chosen);
+  weaker.stiff_rate *= less;
+  weaker.margin *= steps->rate(factors) / weaker.rate();  // so that its step is the same
+  EXPECT_LE(largest_rate(scaled.of(t, factors), weaker), steps->rate(factors));
+  EXPECT_LT(steps->rate(factors), 1.25 * steps->rate());
 }
 
 TEST_P(LiveStiffness, OfFactorsOfOneChangesNoBit) {

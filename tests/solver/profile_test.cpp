@@ -74,6 +74,19 @@ TEST(CpuProfile, ToolsHaveARowWhereThereAreAny) {
   EXPECT_EQ(find(solver->profile(), "tools")->runs, 7);
 }
 
+TEST(CpuProfile, ThreadsWaitWhereABodyHasSeveralClusters) {
+  const Model model = make_block({0.06, 0.06, 0.06}, 12, 12, 12, 6);
+  const Scene scene(model);
+  const SolverOptions options{.threads = 2, .profile = true};
+  const auto solver = make_solver("cpu", model, scene, {.law = Law::springs}, options);
+  ASSERT_TRUE(solver->step(3, 0.1 * solver->stable_step()).ok());
+  const std::vector<PassProfile> passes = solver->profile();
+  const PassProfile* waiting = find(passes, "waiting");
+  ASSERT_NE(waiting, nullptr);
+  EXPECT_EQ(waiting->runs, 3);
+  EXPECT_GT(waiting->seconds, 0.0);
+}
+
 TEST_P(ProfileTest, CountsEveryStepOnce) {
   const Model model = cylinder_275();
   Scene scene = Scene(model).fix("bottom");
