@@ -158,6 +158,32 @@ TEST(StaticTools, APlateInTheBodyIsWhereItCameFrom) {
   EXPECT_NEAR(force(at_once), force(by_and_by), 1e-3 * force(by_and_by));
 }
 
+/// Small steps too, in which rounds leave little: triangles over the edges of a box are pushed along their normals.
+TEST(StaticTools, EdgesOfABoxHoldTissueInStepsAsAtRest) {
+  for (const Model& block :
+       {make_block({0.04, 0.04, 0.03}, 7, 7, 5), make_tetrahedral_block({0.04, 0.04, 0.03}, 7, 7, 5, 0.2, 1)}) {
+    const auto pressed = [&] {
+      SimulationOptions options = soft_options();
+      options.backend = "cpu";
+      options.damping.rate = 150.0;
+      Simulation sim(block, options);
+      const ToolPose pose{.position = {0.02, 0.02, 0.0375}};
+      const Box box{{0.009, 0.009, 0.01}};
+      sim.scene().fix("z0").add_tool("box", {.shape = box, .pose = pose, .contact = ToolContact::surface});
+      return sim;
+    };
+    const auto force = [](Simulation& sim) { return sim.force_on(sim.scene().tool("box")).mean_force.z(); };
+    Simulation solved = pressed();
+    ASSERT_TRUE(solved.solve_static().converged());
+    for (const double share : {0.5, 0.1}) {
+      Simulation stepped = pressed();
+      const double dt = share * stepped.step_limit();
+      for (int k = 0; k < 5; ++k) ASSERT_TRUE(is_ok(stepped.step(static_cast<int>(0.02 / dt), dt)));
+      EXPECT_NEAR(force(stepped), force(solved), 0.03 * force(solved)) << block.cells.size() << ' ' << share;
+    }
+  }
+}
+
 /// Triangles with one or two corners that are held bear a force like others.
 TEST(StaticTools, ATriangleAtAHeldEdgeIsPressed) {
   const auto beside = [] {
