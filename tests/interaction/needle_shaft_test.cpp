@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "interaction/needle_shaft.h"
+#include "interaction/needle_path.h"
 #include "support/allocation_count.h"
 #include "support/message_of.h"
 #include "support/needle_insertion.h"
