@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "conformance/solver_conformance_progress.h"
+#include "conformance/solver_conformance_fixture.h"
 #include "mirror.h"
 #include "mirror_forces.h"
 #include "support/bodies.h"
