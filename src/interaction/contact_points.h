@@ -7,7 +7,9 @@
 
 #include <phymul/tool.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
@@ -43,6 +45,23 @@ ContactPoints make_contact_points(const ContactSurface& surface, double least_ra
 struct BoxPlanes {
   Vec3 low, high;
 };
+
+/// The face of a box that is its nearest surface to a place inside or before it: twice its axis, one more at the
+/// negative end; -1: the place is over an edge. Places of one face are convex: a triangle whose corners are there
+/// touches no other.
+inline int face_of(const BoxPlanes& box, const Vec3& q) {
+  int nearest = 0, before = 0;
+  double least = -HUGE_VAL;  // m, that the place is off that face
+  for (int axis = 0; axis < 3; ++axis) {
+    const double above = q[axis] - box.high[axis], below = box.low[axis] - q[axis], off = std::max(above, below);
+    before += off > 0.0 ? 1 : 0;
+    if (off > least) {
+      least = off;
+      nearest = 2 * axis + (below > above ? 1 : 0);
+    }
+  }
+  return before > 1 ? -1 : nearest;
+}
 
 /// Integrals of a triangle's depth below the nearest face of a box, over what of the triangle is in it.
 struct DepthInBox {

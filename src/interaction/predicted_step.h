@@ -107,6 +107,11 @@ class TouchedParticles {
   void fetch(std::span<const Index> rows, VecList& position, VecList& velocity) const;  ///< likewise, of many
   /// m: no particle's way in this step is longer, with the impulses and shifts so far.
   double going() const;
+  /// m, at the step's start, with the shifts so far: what they move does not go.
+  Vec3 start(Index particle) const {
+    const Index slot = slot_of_[particle];
+    return slot < 0 ? step_->position(particle) : Vec3(touched_[slot].position + touched_[slot].shift);
+  }
   /// m, at the step's end, with the impulses and shifts so far.
   Vec3 end(Index particle) const {
     const Index slot = slot_of_[particle];

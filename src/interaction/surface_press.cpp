@@ -34,23 +34,6 @@ Depth<double> depth_of(const ShapeIn<double>& shape, const Vector3<double>& from
   return {-end.phi, end.normal};
 }
 
-/// The face of a box that is its nearest surface to a place inside or before it: twice its axis, one more at the
-/// negative end; -1: the place is over an edge. Places of one face are convex: a triangle whose corners are there
-/// touches no other.
-int face_of(const BoxPlanes& box, const Vec3& q) {
-  int nearest = 0, before = 0;
-  double least = -HUGE_VAL;  // m, that the place is off that face
-  for (int axis = 0; axis < 3; ++axis) {
-    const double above = q[axis] - box.high[axis], below = box.low[axis] - q[axis], off = std::max(above, below);
-    before += off > 0.0 ? 1 : 0;
-    if (off > least) {
-      least = off;
-      nearest = 2 * axis + (below > above ? 1 : 0);
-    }
-  }
-  return before > 1 ? -1 : nearest;
-}
-
 }  // namespace
 
 SurfacePress::SurfacePress(const ContactSurface& surface, const Model& model, const Tool& tool)
@@ -108,7 +91,7 @@ SurfacePress::Corners SurfacePress::corners_of(Index patch, const ToolFrame& sta
       corner_of_[row] = static_cast<Index>(corners_.size());
       Corner& made = corners_.emplace_back();
       made.row = row;
-      made.from = start.inside(touched.step().position(row));
+      made.from = start.inside(touched.start(row));
       made.to = end.inside(touched.end(row));
     }
     all.row[static_cast<std::size_t>(all.count++)] = static_cast<std::size_t>(corner_of_[row]);
@@ -153,10 +136,10 @@ bool SurfacePress::is_before_one_face(const BoxPlanes& box, const Corners& of) c
          std::ranges::all_of(of.rows(), [&](std::size_t c) { return face == face_of(box, corners_[c].to); });
 }
 
-std::optional<BoxPlanes> SurfacePress::planes_for(const ShapeIn<double>& box, const Corners& of) const {
+std::optional<BoxPlanes> SurfacePress::planes_for(const ShapeIn<double>& box, const Corners& of, bool placed) const {
   const Vec3 half = packed(box.size);
   BoxPlanes planes{-half, half};
-  if (is_short(of, box.thickness)) return planes;
+  if (!placed && is_short(of, box.thickness)) return planes;
   int axis = 0;
   half.minCoeff(&axis);
   const auto side_of = [&](std::size_t c) { return corners_[c].from[axis] < 0.0 ? -1.0 : 1.0; };
@@ -188,13 +171,13 @@ void SurfacePress::find(const ShapeIn<double>& shape, const Corners& of, const C
   const Vector3<double> from = unpacked(mean(share, of, &Corner::from)), to = unpacked(mean(share, of, &Corner::to));
   const double depth = depth_of(shape, from, to, to - from).depth;
   if (!(depth > 0.0)) return;
-  pressed_.push_back({of, share, from, area * depth});
+  pressed_.push_back({of, share, area * depth});
   for (std::size_t c = 0; c < of.rows().size(); ++c) corners_[of.row[c]].load += share[c] * area * depth;
 }
 
 /// Finds the patches that may touch.
 void SurfacePress::meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
-                        const TouchedParticles& touched) {
+                        const TouchedParticles& touched, bool placed) {
   corners_.clear();
   loaded_.clear();
   met_.clear();
@@ -204,7 +187,7 @@ void SurfacePress::meet(const ShapeIn<double>& shape, const ToolFrame& start, co
     if (!may_touch(shape, of, room)) continue;
     Met& met = met_.emplace_back(Met{.corner = of, .patch = &points_.patches[row]});
     met.is_triangle = of.count == 3 && !met.patch->of_cut_cell;
-    if (met.is_triangle && shape.kind == ShapeKind::box) met.box = planes_for(shape, of);
+    if (met.is_triangle && shape.kind == ShapeKind::box) met.box = planes_for(shape, of, placed);
   }
   for (const Corner& corner : corners_) corner_of_[corner.row] = -1;
 }
@@ -239,7 +222,7 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
     corner.inverse_mass = particle.held || particle.fixed == 7 ? 0.0 : particle.inverse_mass;
     corner.fixed = particle.fixed;
   }
-  for (auto& [of, share, from, load, crowd] : pressed_) {
+  for (auto& [of, share, load, crowd] : pressed_) {
     for (std::size_t c = 0; c < of.rows().size(); ++c) {
       const double part = share[c] * corners_[of.row[c]].load / load;
       crowd.inverse_mass += part * corners_[of.row[c]].inverse_mass;
@@ -251,7 +234,9 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
     for (int c = 0; c < 3; ++c) {
       const Corner& corner = corners_[below.corner.row[static_cast<std::size_t>(c)]];
       if (!(below.in.load[c] > 0.0)) continue;
-      const double part = below.in.push.col(c).squaredNorm() * corner.load / below.in.load[c];
+      // Pushes of opposite faces cancel each other, and a triangle through a box would go far for what little is left.
+      const double own = below.in.push.col(c).norm(), least = 0.5 * below.in.load[c];
+      const double part = own * std::max(own, least) * corner.load / below.in.load[c];
       below.inverse_mass += part * corner.inverse_mass;
       crowd += part;
     }
@@ -278,13 +263,14 @@ double SurfacePress::press(const ShapeIn<double>& shape, const ContactLaw<double
                            double dt) {
   const auto [inverse_mass, crowd] = point.crowd;
   if (!(inverse_mass > 0.0)) return 0.0;
+  const Vector3<double> from = unpacked(mean(point.share, point.corner, &Corner::from));
   const Vector3<double> to = unpacked(mean(point.share, point.corner, &Corner::to));
-  const Depth<double> in = depth_of(shape, point.from, to, to - point.from);
+  const Depth<double> in = depth_of(shape, from, to, to - from);
   if (!(in.depth > 0.0)) return 0.0;
   ContactLaw<double> own_law = law;
   own_law.friction = 0.0;       // rub(): so the point's way does not count
   own_law.compliance *= crowd;  // so that a patch that moves as one is as compliant as its particles
-  const Touch<double> touch = touch_at_depth(shape, own_law, in, point.from, {}, inverse_mass, dt);
+  const Touch<double> touch = touch_at_depth(shape, own_law, in, from, {}, inverse_mass, dt);
   for (std::size_t c = 0; c < point.corner.rows().size(); ++c) {
     Corner& corner = corners_[point.corner.row[c]];
     corner.impulse += point.share[c] * packed(touch.impulse);
@@ -308,7 +294,7 @@ double SurfacePress::press_below(const Below& below) {
 }
 
 /// An impulse and a shift, in the tool's frame, to a particle that can take it.
-void SurfacePress::give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
+Vec3 SurfacePress::give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
                         const TouchedParticles& touched) {
   const auto taken = [&](const Vec3& v) -> Vec3 {
     return corner.fixed == 0 ? v : Vec3(end.turn.transpose() * free_part(end.turn * v, corner.fixed));
@@ -316,15 +302,18 @@ void SurfacePress::give(Corner& corner, const Vec3& impulse, const Vec3& shift, 
   const Vec3 given = taken(impulse), by = taken(shift);
   corner.given += given;
   corner.shifted += by;
+  corner.from += by;
   corner.to += touched.dt() * corner.inverse_mass * given + by;
+  return given;
 }
 
-/// What a round's points gave.
-void SurfacePress::hand_over(const ToolFrame& end, const TouchedParticles& touched) {
+/// What a round's points gave. Compliance may leave a particle in the tool: later rounds take that for its surface.
+void SurfacePress::hand_over(double compliance, const ToolFrame& end, const TouchedParticles& touched) {
   for (const std::size_t k : loaded_) {
     Corner& corner = corners_[k];
     if (corner.inverse_mass > 0.0) {
-      give(corner, corner.impulse, corner.inverse_mass * corner.shift, end, touched);
+      const Vec3 given = give(corner, corner.impulse, corner.inverse_mass * corner.shift, end, touched);
+      corner.to += compliance / touched.dt() * given;
       corner.pressed += corner.impulse;
     }
     corner.impulse = corner.shift = Vec3::Zero();
@@ -351,18 +340,19 @@ void SurfacePress::rub(double friction, const ToolFrame& end, const TouchedParti
 double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                                const ToolFrame& end, TouchedParticles& touched, ToolForce& force) {
   const double dt = touched.dt();
-  meet(shape, start, end, touched);
+  meet(shape, start, end, touched, law.placed);
   double deepest = 0.0;
-  for (int round = 0; round < rounds_of_surface(law.placed); ++round) {
-    const bool looks = round == 0 || (shape.kind == ShapeKind::box && round % rounds_of_look == 0);
+  const int rounds = rounds_of_surface(law.placed);
+  for (int round = 0; round < rounds; ++round) {
+    const bool looks = round == 0 || (shape.kind == ShapeKind::box && round % (rounds / looks_at_box) == 0);
     if (looks) find_points(shape, law, touched);
     double deep = 0.0;
     for (const Pressed& point : pressed_) deep = std::max(deep, press(shape, law, point, dt));
     for (const Below& below : below_) deep = std::max(deep, press_below(below));
     deepest = std::max(deepest, deep);
     const bool is_out = deep == 0.0 && (looks || below_.empty());
-    if (deep > 0.0) hand_over(end, touched);
-    if (law.friction > 0.0 && (is_out || (round + 1) % rounds_of_look == 0)) rub(law.friction, end, touched);
+    if (deep > 0.0) hand_over(law.compliance, end, touched);
+    if (law.friction > 0.0 && (is_out || round % 2 == 1)) rub(law.friction, end, touched);
     if (is_out) break;
   }
   for (const std::size_t k : loaded_) {
@@ -371,7 +361,9 @@ double SurfacePress::press_all(const ShapeIn<double>& shape, const ContactLaw<do
     TouchedParticles::Touched& particle = touched[*corner.slot];
     const Vec3 given = TouchedParticles::push(particle, end.turn * corner.given);
     particle.shift += particle.free_part(end.turn * corner.shifted);
-    if (law.friction > 0.0) particle.rubbed = law.friction * (end.turn * corner.pressed.normalized());
+    if (law.friction > 0.0 && corner.pressed != Vec3::Zero()) {
+      particle.rubbed = law.friction * (end.turn * corner.pressed.normalized());
+    }
     if (given == Vec3::Zero()) continue;
     react(force, end, particle.position, given + dt * TouchedParticles::borne(particle, given), dt);
   }

@@ -59,10 +59,10 @@ constexpr int rounds_of_surface(bool placed) {
   return placed ? 60 : 6;
 }
 
-/// After so many rounds friction acts, and triangles over a box's edges are looked at anew. How they are in the box
-/// depends on their places: in those that only elastic forces would take particles to, they are deeper than they come
-/// to be. Pushed from there alone, they are driven along the edge, and tissue flutters about it without end.
-constexpr int rounds_of_look = 2;
+/// Times in a step that triangles over a box's edges are looked at. How they are in the box depends on their places: in
+/// those that only elastic forces would take particles to, they are deeper than they come to be. Pushed from there
+/// alone, they are driven along the edge, and tissue flutters about it without end.
+constexpr int looks_at_box = 3;
 
 /// Whether a particle below the surface was in the tool before this step. One that was not is stopped as with
 /// ToolContact::particles: where a body is hit hard, its surface alone does not keep the rest out of the tool.
@@ -90,7 +90,7 @@ class SurfacePress {
     // point of each round needs these alone.
     Vec3 to{0, 0, 0}, impulse{0, 0, 0};
     Vec3 shift{0, 0, 0};  // kg m, of this round
-    Vec3 from{0, 0, 0};   // m
+    Vec3 from{0, 0, 0};   // m; with shifts
     Index row = -1;
     std::optional<std::size_t> slot{};       // once it has a load
     double inverse_mass = 0.0;               // 1/kg, 0 where it is imposed or held; likewise
@@ -117,7 +117,6 @@ class SurfacePress {
   struct Pressed {  // a point that touches where points were found
     Corners corner{};
     ContactPoints::Shares share{};  // of them
-    Vector3<double> from;           // m, in the tool's frame
     double load = 0.0;              // m^3: its area times its depth
     Crowd crowd{};
   };
@@ -141,12 +140,12 @@ class SurfacePress {
     return {corners_[of.row[0]].*place, corners_[of.row[1]].*place, corners_[of.row[2]].*place};
   }
   /// Of a box, as the triangle meets them in this step; empty: it may go through the box.
-  std::optional<BoxPlanes> planes_for(const ShapeIn<double>& box, const Corners& of) const;
+  std::optional<BoxPlanes> planes_for(const ShapeIn<double>& box, const Corners& of, bool placed) const;
   bool is_before_one_face(const BoxPlanes& box, const Corners& of) const;
   /// Of a point of the patch: the mean of its corners' `from` or `to`.
   Vec3 mean(const ContactPoints::Shares& share, const Corners& of, Vec3 Corner::*place) const;
-  void meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end,
-            const TouchedParticles& touched);
+  void meet(const ShapeIn<double>& shape, const ToolFrame& start, const ToolFrame& end, const TouchedParticles& touched,
+            bool placed);
   void find(const ShapeIn<double>& shape, const Corners& of, const ContactPoints::Shares& share, double area);
   void find_points(const ShapeIn<double>& shape, const ContactLaw<double>& law, TouchedParticles& touched);
   double press(const ShapeIn<double>& shape, const ContactLaw<double>& law, const Pressed& point, double dt);
@@ -154,9 +153,9 @@ class SurfacePress {
   double press_below(const Below& below);
   double press_all(const ShapeIn<double>& shape, const ContactLaw<double>& law, const ToolFrame& start,
                    const ToolFrame& end, TouchedParticles& touched, ToolForce& force);
-  void hand_over(const ToolFrame& end, const TouchedParticles& touched);
+  void hand_over(double compliance, const ToolFrame& end, const TouchedParticles& touched);
   void rub(double friction, const ToolFrame& end, const TouchedParticles& touched);
-  static void give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
+  static Vec3 give(Corner& corner, const Vec3& impulse, const Vec3& shift, const ToolFrame& end,
                    const TouchedParticles& touched);
 
   ContactPoints points_;

@@ -257,7 +257,7 @@ TEST_P(StrainReport, CountsWhatIsBeyondTheLawAndWhatIsInverted) {
   expect({1, 1, 1}, 0, 0);
   expect({1.65, 1.65, 0.63}, 0, 0);
   expect({0.63, 0.63, 0.63}, 0, 0);
-  EXPECT_TRUE(says(expect({1, 1, 0.2}, all, 0).message(), "strained beyond the law, began around particle 0"));
+  EXPECT_TRUE(says(expect({1, 1, 0.2}, all, 0).message(), "strained beyond the law, first around particle 0"));
   expect({3, 1, 1}, all, 0);
   EXPECT_TRUE(says(expect({1, 1, -1}, all, all).message(), "inverted around 64"));
 }
