@@ -17,6 +17,9 @@ constexpr double short_way = 0.2499;
 /// Of half a box's thickness: what is less deep about its rim is so between its nearest faces.
 constexpr double shallow = 0.1;
 
+/// Of the distance from the box's middle: depths below it are what places round.
+constexpr double rounded = 1e-13;
+
 /// Whether a straight way stays beyond one face of a box.
 bool passes_beside(const ShapeIn<double>& box, const Vector3<double>& from, const Vector3<double>& to) {
   const auto beyond = [&box](double a, double b, double half) {
@@ -246,8 +249,9 @@ void SurfacePress::find_points(const ShapeIn<double>& shape, const ContactLaw<do
 
 /// Keeps a triangle that is in the box.
 void SurfacePress::look_below(const BoxPlanes& box, const Corners& of, double area, bool comes_out) {
-  const DepthInBox in = depth_in(box, places(of, &Corner::to), area);
-  if (!(in.square > 0.0)) return;
+  const std::array<Vec3, 3> to = places(of, &Corner::to);
+  const DepthInBox in = depth_in(box, to, area);
+  if (!(in.whole > 0.0 && in.square > rounded * to[0].norm() * in.whole)) return;
   Below& made = below_.emplace_back(Below{.corner = of, .in = in, .out = in.square});
   for (int c = 0; c < 3; ++c) {
     Corner& corner = corners_[of.row[static_cast<std::size_t>(c)]];

@@ -146,5 +146,68 @@ TEST(ToolSurface, ABoxWithoutFrictionLetsTissueComeToRestAboutItsEdges) {
   EXPECT_GT(solver->tool_force("box").mean_force.norm(), 0.3);
 }
 
+/// A triangle through a box is pushed to both sides at once: it goes no farther than it is deep.
+TEST(ToolSurface, AThinBoxPutOverABodyLetsItOutWhereItIs) {
+  Model lobe = make_body(solid_ellipsoid({0, 0, 0}, {0.025, 0.03, 0.015}), {.spacing = 4e-3});
+  set_material(lobe, {.young = 5e3, .poisson = 0.4, .density = 1000.0});
+  lobe.add_group("held", lobe.particles_in([](const Vec3& x) { return x.z() < -0.009; }));
+  for (const auto& [half, down] : {std::pair{2e-3, 3e-3}, std::pair{1e-3, 1e-3}, std::pair{3e-4, 5e-4}}) {
+    Scene scene(lobe);
+    scene.fix("held").add_tool("box", {.shape = Box{{half, 0.01, 0.01}},
+                                       .pose = {.position = {0, 0, 0.025 - down}},
+                                       .contact = ToolContact::surface});
+    const auto solver = make_solver("cpu", lobe, scene, {}, damped(100.0));
+    ASSERT_TRUE(is_ok(solver->step(1, 0.8 * solver->stable_step())));
+    EXPECT_LT(largest_distance(solver->read().position, lobe.rest), 2.0 * (down + 4e-3)) << half;
+  }
+}
+
+/// Steps of other lengths than those before move out what is inside as if the tool had been put over it.
+TEST(ToolSurface, StepsOfAnyLengthInTurnsThrowNothingOutOfABox) {
+  const Model block = soft_block({0.02, 0.02, 0.02}, 3, 3, 3);
+  for (const double turn : {0.0, 0.3}) {
+    Scene scene(block);
+    ToolPose pose{.position = {0.0103, 0.0098, 0.0235},
+                  .orientation = Quaternion(Eigen::AngleAxisd(turn, Vec3(1, 0.3, 0.2).normalized()))};
+    const ToolHandle box = scene.fix("z0").add_tool(
+        "box", {.shape = Box{{0.006, 0.006, 0.002}}, .pose = pose, .contact = ToolContact::surface});
+    const auto solver = make_solver("reference", block, scene, {}, damped(150.0));
+    const double dt = 0.4 * solver->stable_step();
+    for (int k = 0; k < 22; ++k) {
+      pose.position.z() -= 1e-4;
+      box.move_to(pose);
+      ASSERT_TRUE(is_ok(solver->step(20, dt)));
+    }
+    for (int k = 0; k < 10; ++k) {
+      for (const double share : {1.0, 0.5, 1e-2, 1e-6}) {
+        const StepReport report = solver->step(1, share * dt);
+        ASSERT_TRUE(is_ok(report));
+        EXPECT_LT(report.max_speed, 0.3) << turn << ' ' << k << ' ' << share;
+      }
+    }
+  }
+}
+
+/// As far as particles enter by their own force, whatever the rounds and the length of a step.
+TEST(ToolSurface, EntersByItsCompliance) {
+  const Model block = soft_block({0.04, 0.04, 0.02}, 4, 4, 2);
+  for (const double share : {0.2, 0.8}) {
+    Scene scene(block);
+    constexpr double compliance = 5e-3, plane = 0.019;
+    scene.fix("z0").add_tool("plate", {.shape = Box{{0.05, 0.05, 0.01}},
+                                       .pose = {.position = {0.02, 0.02, plane + 0.01}},
+                                       .compliance = compliance,
+                                       .contact = ToolContact::surface});
+    const auto solver = make_solver("cpu", block, scene, {}, damped(150.0));
+    const double dt = share * solver->stable_step();
+    ASSERT_TRUE(is_ok(solver->step(static_cast<int>(0.3 / dt), dt)));
+    double entered = 0.0;
+    for (const Index i : block.group("z1")) entered += solver->read().position[i].z() - plane;
+    const double force = solver->tool_force("plate").mean_force.z();
+    EXPECT_GT(entered, 1e-3);
+    EXPECT_NEAR(entered, compliance * force, 0.01 * entered) << share;
+  }
+}
+
 }  // namespace
 }  // namespace phymul::test
