@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Scenes that a device cannot take: it goes on with the one before, as if it had not been asked. The richest scenes
+// Scenes that a device cannot take: it keeps the one before, as if it had not been asked. The richest scenes
 // that passes of fragments are made for: none of them reads more textures than every driver binds at a time.
 // Pass::input refuses more.
 #include <filesystem>
