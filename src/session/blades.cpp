@@ -334,18 +334,24 @@ void Simulation::Parts::cut_waiting(StepReport& report) {
     for (std::size_t v = 0; v < cell.particles.size(); ++v) distance.try_emplace(cell.particles[v], cut[v]);
     cells.push_back(row);
   }
+  std::vector<Snapshot::CutLater> kept = waiting;
   waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(taken));
   std::ranges::sort(cells);
-  BodyCut found = body_edit().find_cut({.cells = cells,
-                                        .distance = [&](Index i) { return distance.at(i); },
-                                        .passed = [](Index, const auto&) { return true; },
-                                        .who = "the blade",
-                                        .refused = &refused});
-  if (!found.empty()) {
-    report.uncut += static_cast<int>(refused);
-    make_cut(std::move(found), cells.size() - refused, report);
-  } else if (refused > 0) {  // as the others would be
-    report.uncut += static_cast<int>(refused + std::exchange(waiting, {}).size());
+  try {
+    BodyCut found = body_edit().find_cut({.cells = cells,
+                                          .distance = [&](Index i) { return distance.at(i); },
+                                          .passed = [](Index, const auto&) { return true; },
+                                          .who = "the blade",
+                                          .refused = &refused});
+    if (!found.empty()) {
+      report.uncut += static_cast<int>(refused);
+      make_cut(std::move(found), cells.size() - refused, report);
+    } else if (refused > 0) {  // as the others would be
+      report.uncut += static_cast<int>(refused + std::exchange(waiting, {}).size());
+    }
+  } catch (...) {
+    waiting = std::move(kept);
+    throw;
   }
 }
 

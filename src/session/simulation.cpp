@@ -243,10 +243,10 @@ const Recording& Simulation::recording() const {
   const std::vector<Input>& inputs = parts_->recorder->recording().inputs;
   const bool is_known = !inputs.empty() && inputs.back().kind == input_kind::later;
   if (!parts_->waiting.empty() && !is_known) {  // which a replay cannot find out: it makes the recorded cuts
-    Snapshot left;
-    left.start.cut_later = parts_->waiting;
+    Snapshot waiting;
+    waiting.start.cut_later = parts_->waiting;
     ByteWriter out;
-    put_snapshot(out, left);
+    put_snapshot(out, waiting);
     parts_->recorder->record(input_kind::later, out.bytes());
   }
   return parts_->recorder->recording();
@@ -257,11 +257,8 @@ void Simulation::replay(Recording recording) {
   const Snapshot before = parts_->snapshot();
   const std::vector<SceneTool> asked = scene().tools();
   const std::string scene_before = scene_change_bytes(scene(), {}, true);
-  if (fingerprint(*parts_->topology, start.removed_cells, start.cuts) == recording.topology_hash) {
-    parts_->set_body(start.removed_cells, start.cuts);
-  }                                                    // else Replay says so
   std::optional<Input> given;                          // the last state that was given, of the body as it ends
-  std::vector<Snapshot::CutLater> later;               // cells that wait at the end
+  std::optional<Input> later;                          // cells that wait at the end
   std::vector<std::pair<bool, std::uint64_t>> inputs;  // whether tools have done what they were asked, and how often
   for (const Input& input : recording.inputs) {
     const bool steps = input.kind == input_kind::step || input.kind == input_kind::restore ||
@@ -270,12 +267,17 @@ void Simulation::replay(Recording recording) {
     if (input.kind == input_kind::restore) given = input;
     const bool edits = input.kind == input_kind::cut || input.kind == input_kind::removed;
     if (edits) given.reset();
-    if (edits || steps) later.clear();
-    if (input.kind == input_kind::later) {
-      ByteReader in("cells to cut", input.bytes);
-      later = take_snapshot(in).start.cut_later;
-    }
+    if (edits || steps) later.reset();
+    if (input.kind == input_kind::later) later = input;
   }
+  std::vector<Snapshot::CutLater> left;
+  if (later) {
+    ByteReader in("cells to cut", later->bytes);
+    left = take_snapshot(in).start.cut_later;
+  }
+  if (fingerprint(*parts_->topology, start.removed_cells, start.cuts) == recording.topology_hash) {
+    parts_->set_body(start.removed_cells, start.cuts);
+  }  // else Replay says so
   std::optional<Replay> made;
   const std::uint64_t version = scene().version();
   try {
@@ -311,7 +313,7 @@ void Simulation::replay(Recording recording) {
     ByteReader in("state", given->bytes);
     now.start = take_snapshot(in).start;
   }
-  if (!later.empty()) now.start.cut_later = later;
+  if (!left.empty()) now.start.cut_later = left;
   parts_->begin_again(now);
 }
 

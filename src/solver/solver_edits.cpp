@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "elastic/dissipation.h"
+#include "elastic/material_spectra.h"
 
 namespace phymul {
 namespace {

@@ -104,13 +104,14 @@ void BodyEdit::take_cell(Index row) {
     for (const Index i : model_.cells[row].particles) insert(walls_of_[i]);
   }
   if (!has_material(model_, model_.cells[row])) return;
-  if (at_start_[row] != 0 && !is_listed(row)) ++cell_count_;
+  const bool is_new = at_start_[row] != 0 && !is_listed(row);
   Cell whole = model_.cells[row];
   whole.share = whole_share_[row];
   mass_of_corner_[row] = model_.materials[whole.material].density * tissue_volume(model_, whole) /
                          static_cast<double>(whole.particles.size());
   for (const Index i : whole.particles) {
     insert(cells_of_[i]);
+    if (is_new && i == whole.particles.front()) ++cell_count_;  // once it is listed, and nothing before throws
     if (is_of_wall(model_, whole)) insert(walls_of_[i]);
   }
 }

@@ -276,7 +276,8 @@ TEST(AskedBetweenSteps, WhatABudgetLeavesIsAtTheEndOfAReplay) {
       if (tick > 5) stroke.sim.recording();
     }
     if (given) stroke.sim.restore(stroke.sim.snapshot());
-    again.sim.replay(stroke.sim.recording());
+    Recording damaged = stroke.sim.recording();
+    again.sim.replay(damaged);
     ASSERT_GT(again.sim.snapshot().start.cut_later.size(), 5u) << given;
     EXPECT_EQ(again.sim.snapshot(), stroke.sim.snapshot()) << given;
     for (Stroke* const of : {&stroke, &again}) {
@@ -286,6 +287,11 @@ TEST(AskedBetweenSteps, WhatABudgetLeavesIsAtTheEndOfAReplay) {
     Simulation third = std::move(Stroke("cpu", 0.0, -0.005, 1e4, 9, 600, 0, 0.0, 2).sim);
     third.replay(stroke.sim.recording());
     EXPECT_EQ(third.snapshot(), stroke.sim.snapshot()) << "none that waited before";
+    ASSERT_EQ(damaged.inputs.back().kind, "late");
+    damaged.inputs.back().bytes.resize(20);
+    const Snapshot before = third.snapshot();
+    EXPECT_THROW(third.replay(damaged), Error);
+    EXPECT_EQ(third.snapshot(), before) << "it is refused at its start";
   }
 }
 
